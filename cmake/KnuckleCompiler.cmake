@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+# Language level, warnings, sanitizers and the instruction set, for all of our own targets.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+
+option(KNUCKLE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+option(KNUCKLE_WERROR "Treat warnings in our own code as errors" ON)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(default_arch x86-64-v3)  # AVX2 and FMA: every x86 processor since 2013
+endif()
+set(KNUCKLE_ARCH "${default_arch}" CACHE STRING "Value of -march; empty for the compiler's own default")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# Results must be the same bits on every machine: no fused multiply-add behind our back, no fast-math.
+add_compile_options(-ffp-contract=off)
+if(KNUCKLE_ARCH)
+  add_compile_options(-march=${KNUCKLE_ARCH})
+endif()
+if(KNUCKLE_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
+add_library(knuckle_warnings INTERFACE)
+target_compile_options(knuckle_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                       -Woverloaded-virtual -Wcast-qual $<$<BOOL:${KNUCKLE_WERROR}>:-Werror>)

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+include(GoogleTest)
+
+# knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...])
+#
+# Makes the library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
+# DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those only its sources use.
+function(knuckle_add_module name)
+  cmake_parse_arguments(module "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE;TESTS" ${ARGN})
+  list(TRANSFORM module_DEPENDS PREPEND knuckle_)
+  add_library(knuckle_${name} STATIC ${module_SOURCES})
+  target_include_directories(knuckle_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(knuckle_${name} PUBLIC ${module_DEPENDS} ${module_PUBLIC}
+                        PRIVATE ${module_PRIVATE} $<BUILD_INTERFACE:knuckle_warnings>)
+  if(module_TESTS)
+    add_executable(knuckle_${name}_test ${module_TESTS})
+    target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${name} knuckle_test_main knuckle_warnings)
+    gtest_discover_tests(knuckle_${name}_test TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
+                         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  endif()
+endfunction()

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/image.h"
+#include "knuckle/core/pose.h"
+
+namespace knuckle {
+
+/// One depth image with all that is known about it.
+struct Frame {
+  std::string name;               ///< unique in its source, for messages and pictures; no extension
+  Camera camera;                  ///< has the size of the depth image
+  Image<float> depth_mm;          ///< distance along z [mm]; 0 = no measurement
+  Image<std::uint16_t> infrared;  ///< amplitude in the sensor's own unit; empty where the source has none
+  Image<std::uint8_t> mask;       ///< truth: 1 where a pixel is hand, else 0; empty where the source has none
+  std::optional<HandPose> truth;  ///< joints in pixel-centre coordinates; joints may be missing
+};
+
+/// The frame in a mirror: images, camera and truth. A left hand becomes a right one.
+Frame mirrored(const Frame& frame);
+
+}  // namespace knuckle

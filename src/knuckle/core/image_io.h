@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "knuckle/core/image.h"
+
+namespace knuckle {
+
+/// Reads a PNG of one 16-bit channel. Throws an Error where the file is missing, cut short, no PNG, or of another kind.
+Image<std::uint16_t> read_png16(const std::filesystem::path& path);
+
+/// Reads a PNG of one 8-bit channel.
+Image<std::uint8_t> read_png8(const std::filesystem::path& path);
+
+/// One 8-bit RGB colour.
+struct Rgb {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+  bool operator==(const Rgb&) const = default;
+};
+
+/// Reads a PNG of three (or four, then without the last) 8-bit channels.
+Image<Rgb> read_png_rgb(const std::filesystem::path& path);
+
+/// Write a PNG; the file appears only when whole.
+void write_png(const std::filesystem::path& path, const Image<std::uint16_t>& image);
+void write_png(const std::filesystem::path& path, const Image<std::uint8_t>& image);
+void write_png(const std::filesystem::path& path, const Image<Rgb>& image);
+
+}  // namespace knuckle

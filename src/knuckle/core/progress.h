@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace knuckle {
+
+/// Shows how far long work has come, with rate and time left, on standard error: one line that is
+/// rewritten on a terminal, a line now and then elsewhere. Safe to call from many threads.
+class Progress {
+ public:
+  /// `what` names the work, `unit` what is counted, as in Progress("render", "frames", 4000).
+  Progress(std::string what, std::string unit, std::int64_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void advance(std::int64_t steps = 1);
+
+ private:
+  void show(std::chrono::steady_clock::time_point now) const;
+
+  std::string what_;
+  std::string unit_;
+  std::int64_t total_;
+  std::int64_t done_ = 0;
+  bool is_terminal_;
+  bool is_shown_ = false;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_shown_;
+  std::mutex mutex_;
+};
+
+/// Switches all progress output on or off (on at the start).
+void show_progress(bool on);
+
+}  // namespace knuckle

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace knuckle {
+
+/// All numbers in `text`, parted by blanks or `separators`; empty fields between blanks do not count, nor does a
+/// trailing separator. `nan` (any case) is a number. Throws an Error that starts with `where` and quotes the first
+/// field that is none. `where` is "file" or "file:line".
+std::vector<double> parse_numbers(std::string_view text, std::string_view where,
+                                  std::string_view separators = ",;");
+
+/// One number, the whole text. Throws an Error that starts with `where`.
+double parse_number(std::string_view text, std::string_view where);
+
+/// One whole number, the whole text. Throws an Error that starts with `where`.
+long long parse_integer(std::string_view text, std::string_view where);
+
+/// The parts of `text` between separators; empty parts are kept.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
+/// `text` without blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// "a, b, c".
+std::string joined(const std::vector<std::string>& parts, std::string_view separator = ", ");
+
+}  // namespace knuckle

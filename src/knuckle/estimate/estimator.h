@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "knuckle/core/landmarks.h"
+#include "knuckle/patch/hand_patch.h"
+#include "knuckle/patch/patch_statistics.h"
+
+namespace knuckle {
+
+/// The joints that a method sees in a patch.
+struct PatchPose {
+  std::vector<PatchPoint> joints;  ///< one a landmark of the model's convention
+  std::vector<float> confidence;   ///< one a joint in [0, 1], or empty
+};
+
+/// Infers the pose of a hand from its patch. Models are for right hands.
+class Estimator {
+ public:
+  virtual ~Estimator() = default;
+
+  /// What the model predicts.
+  virtual Convention convention() const = 0;
+  /// What the model was trained on: the patch's size and the statistics subtracted from it.
+  virtual const PatchStatistics& patch_statistics() const = 0;
+  /// `patch` has the size and statistics above. Safe to call from many threads.
+  virtual PatchPose estimate(const HandPatch& patch) const = 0;
+};
+
+}  // namespace knuckle
