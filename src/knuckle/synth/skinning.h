@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "knuckle/synth/body.h"
+
+namespace knuckle {
+
+/// A body with its shape settled: one person. Joints and landmarks follow the morph.
+struct ShapedBody {
+  const Body* body = nullptr;                         ///< must outlive this
+  std::vector<Eigen::Vector3f> vertices;              ///< V, at rest [mm]
+  std::vector<Eigen::Vector3f> joints;                ///< B bone heads at rest [mm]
+  std::array<Eigen::Vector3f, kSupersetSize> landmarks;  ///< at rest [mm]
+};
+
+/// v_template + sum of coefficient x direction; `coefficients` has one a shape direction.
+ShapedBody shaped_body(const Body& body, std::span<const double> coefficients);
+
+/// How a body stands before a camera.
+struct BodyPose {
+  /// One a bone: its turn about its own head relative to its parent, in body axes at rest. Identity is the rest pose.
+  std::vector<Eigen::Quaternionf> rotations;
+  Eigen::Isometry3f camera_from_body = Eigen::Isometry3f::Identity();  ///< lengths in mm
+};
+
+/// A body in camera coordinates.
+struct PosedBody {
+  std::vector<Eigen::Vector3f> vertices;        ///< V [mm]
+  std::array<Point3, kSupersetSize> landmarks;  ///< [mm]
+};
+
+/// Linear blend skinning.
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose);
+
+}  // namespace knuckle
