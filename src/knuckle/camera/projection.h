@@ -11,8 +11,8 @@ namespace knuckle {
 
 /// The paper's projection phi: image points with depth to points in camera coordinates, and back.
 ///
-/// Projective: x = (u - cx) d / fx, y = (v - cy) d / fy, z = d, with OpenCV's distortion between. Orthographic:
-/// x = (u - cx) / fx, y = (v - cy) / fy, z = d. A missing (NaN) point stays missing.
+/// Projective: x = (u - cx) d / fx, y = (v - cy) d / fy, z = d, with OpenCV's distortion between.
+/// Orthographic: x = (u - cx) / fx, y = (v - cy) / fy, z = d. A missing (NaN) point stays missing.
 class Projection {
  public:
   /// Throws an Error where the camera's values are impossible.
@@ -36,8 +36,8 @@ class Projection {
   bool is_distorted_;
 };
 
-/// The rays of all pixels of a camera, computed once: x and y of the point that a pixel sees at depth 1 (projective),
-/// or at any depth (orthographic). Makes clouds from depth images without undistorting again.
+/// The rays of all pixels of a camera, computed once: x and y of the point that a pixel sees at depth 1
+/// (projective), or at any depth (orthographic). Makes clouds from depth images without undistorting again.
 class RayTable {
  public:
   explicit RayTable(const Camera& camera);

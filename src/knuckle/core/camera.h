@@ -2,9 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string_view>
-
-#include "knuckle/core/image.h"
 
 namespace knuckle {
 
@@ -40,8 +37,9 @@ void check(const Camera& camera);
 /// Moves the principal point from the coordinates of one pixel origin to another's (half a pixel).
 Camera with_pixel_origin(Camera camera, PixelOrigin from, PixelOrigin to);
 
-/// The camera of the mirrored image: column u of this camera is column width - 1 - u of the result, and the x axis
-/// points the other way. Exact where the camera has no tangential distortion p2; that sign flips too.
+/// The camera of the mirrored image: column u of this camera is column width - 1 - u of the result, and the x
+/// axis points the other way. The sign of the tangential coefficient p2 flips with it, so the result is
+/// exact.
 Camera mirrored(Camera camera);
 
 }  // namespace knuckle

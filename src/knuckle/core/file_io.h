@@ -15,9 +15,10 @@ std::string read_text_file(const std::filesystem::path& path);
 /// The file's lines without their ends (\n or \r\n). A last line without an end counts.
 std::vector<std::string> read_lines(const std::filesystem::path& path);
 
-/// Writes a file so that it appears under its name only when whole: `write` fills a temporary file beside it (it is
-/// handed that path), which is then flushed to the disk and renamed. Whatever goes wrong (an exception of `write`, a
-/// full disk), the temporary file is removed, a former file of that name stays, and an Error names `path`.
+/// Writes a file so that it appears under its name only when whole: `write` fills a temporary file beside it
+/// (it is handed that path), which is then flushed to the disk and renamed. Whatever goes wrong (an exception
+/// of `write`, a full disk), the temporary file is removed, a former file of that name stays, and an Error
+/// names `path`.
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path& temporary)>& write);
 

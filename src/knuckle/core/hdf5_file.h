@@ -17,9 +17,10 @@ struct Hdf5Array {
   std::vector<T> values;
 };
 
-/// A thin owner of an HDF5 file: named arrays and attributes, with Knuckle's errors. T is one of float, double,
-/// std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t, std::uint64_t. Reading converts from the file's type.
-/// HDF5 itself is not made for threads: all calls of all files take turns.
+/// A thin owner of an HDF5 file: named arrays and attributes, with Knuckle's errors. T is one of float,
+/// double, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t,
+/// std::uint64_t. Reading converts from the file's type. HDF5 itself is not made for threads: all calls of
+/// all files take turns.
 class Hdf5File {
  public:
   /// Throws an Error that names the file where it is missing, cut short, or no HDF5.
@@ -51,7 +52,8 @@ class Hdf5File {
              const Storage& storage = {0, 0});
   /// Makes an array whose values are written later; unwritten ones are 0.
   template <class T>
-  void create_dataset(std::string_view dataset, const std::vector<std::uint64_t>& shape, const Storage& storage);
+  void create_dataset(std::string_view dataset, const std::vector<std::uint64_t>& shape,
+                      const Storage& storage);
   template <class T>
   void write_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count, const T* values);
 
@@ -72,8 +74,8 @@ class Hdf5File {
   /// Closes the file; unlike the destructor it throws where that fails (a full disk).
   void close();
 
-  /// Throws unless the attributes `format` and `version` say `format` and a version in [1, newest_version]; returns
-  /// the version.
+  /// Throws unless the attributes `format` and `version` say `format` and a version in [1, newest_version];
+  /// returns the version.
   int require_format(std::string_view format, int newest_version) const;
 
  private:

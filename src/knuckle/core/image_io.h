@@ -8,7 +8,8 @@
 
 namespace knuckle {
 
-/// Reads a PNG of one 16-bit channel. Throws an Error where the file is missing, cut short, no PNG, or of another kind.
+/// Reads a PNG of one 16-bit channel. Throws an Error where the file is missing, cut short, no PNG, or of
+/// another kind.
 Image<std::uint16_t> read_png16(const std::filesystem::path& path);
 
 /// Reads a PNG of one 8-bit channel.

@@ -9,8 +9,8 @@
 
 namespace knuckle {
 
-/// A named point of the hand. The first 22 are Knuckle's superset: joints of the skeleton, the finger tips, and the
-/// centre of the palm. The others belong to one data set each and coincide with none of the 22.
+/// A named point of the hand. The first 22 are Knuckle's superset: joints of the skeleton, the finger tips,
+/// and the centre of the palm. The others belong to one data set each and coincide with none of the 22.
 enum class Landmark : std::uint8_t {
   wrist,
   palm,
@@ -79,7 +79,8 @@ struct Convention {
   bool operator==(const Convention& other) const { return name == other.name; }
 };
 
-/// All conventions: knuckle22 (the superset in its own order), icg20, mediapipe21, msra21, hands21, icvl16, nyu14.
+/// All conventions: knuckle22 (the superset in its own order), icg20, mediapipe21, msra21, hands21, icvl16,
+/// nyu14.
 std::span<const Convention> conventions();
 
 /// The convention of that name. Throws an Error that lists the known ones.
@@ -90,16 +91,16 @@ const Convention& superset_convention();
 
 /// How the joints of one convention are found in another.
 struct ConventionMapping {
-  std::vector<int> source_index;   ///< for each landmark of the target its place in the source, or -1
-  std::vector<Landmark> shared;    ///< in both, in the target's order
-  std::vector<Landmark> dropped;   ///< in the source only
-  std::vector<Landmark> missing;   ///< in the target only
+  std::vector<int> source_index;  ///< for each landmark of the target its place in the source, or -1
+  std::vector<Landmark> shared;   ///< in both, in the target's order
+  std::vector<Landmark> dropped;  ///< in the source only
+  std::vector<Landmark> missing;  ///< in the target only
 };
 
 ConventionMapping map_convention(const Convention& source, const Convention& target);
 
-/// Two landmarks joined by a bone: what a drawing of the hand connects. Only pairs that the convention holds; a gap
-/// (a landmark that it lacks) is bridged to the next one towards the wrist or palm.
+/// Two landmarks joined by a bone: what a drawing of the hand connects. Only pairs that the convention holds;
+/// a gap (a landmark that it lacks) is bridged to the next one towards the wrist or palm.
 struct Bone {
   int from;  ///< index into the convention, nearer to the wrist
   int to;    ///< index into the convention, nearer to the tip

@@ -27,19 +27,32 @@ struct Interval {
   std::string text() const;           ///< as in "(0, 500]"
 };
 
-inline Interval closed(double low, double high) { return {low, high, false, false}; }
-inline Interval open_closed(double low, double high) { return {low, high, true, false}; }
-inline Interval closed_open(double low, double high) { return {low, high, false, true}; }
-inline Interval open_interval(double low, double high) { return {low, high, true, true}; }
-inline Interval at_least(double low) { return {low, std::numeric_limits<double>::infinity(), false, true}; }
-inline Interval above(double low) { return {low, std::numeric_limits<double>::infinity(), true, true}; }
+inline Interval closed(double low, double high) {
+  return {low, high, false, false};
+}
+inline Interval open_closed(double low, double high) {
+  return {low, high, true, false};
+}
+inline Interval closed_open(double low, double high) {
+  return {low, high, false, true};
+}
+inline Interval open_interval(double low, double high) {
+  return {low, high, true, true};
+}
+inline Interval at_least(double low) {
+  return {low, std::numeric_limits<double>::infinity(), false, true};
+}
+inline Interval above(double low) {
+  return {low, std::numeric_limits<double>::infinity(), true, true};
+}
 
-/// Is shown every option of a component once, with its name and range. Reading, checking and writing options are
-/// three visitors, so that a component declares each option in one place only:
+/// Is shown every option of a component once, with its name and range. Reading, checking and writing options
+/// are three visitors, so that a component declares each option in one place only:
 ///
 ///     struct MeanShiftOptions {
 ///       double bandwidth_mm = 13.5;  ///< Kernel bandwidth h, (0, 500] [mm]
-///       void visit(OptionVisitor& visitor) { visitor.real("bandwidth_mm", bandwidth_mm, open_closed(0, 500)); }
+///       void visit(OptionVisitor& visitor) { visitor.real("bandwidth_mm", bandwidth_mm, open_closed(0,
+///       500)); }
 ///     };
 class OptionVisitor {
  public:
@@ -60,10 +73,12 @@ class OptionVisitor {
 };
 
 template <class T>
-concept VisitableOptions = requires(T options, OptionVisitor& visitor) { options.visit(visitor); };
+concept VisitableOptions = requires(T options, OptionVisitor& visitor) {
+  options.visit(visitor);
+};
 
-/// A table of a TOML file, read strictly: every key must be known, of the right type and in range. Errors name the
-/// file, line and key. Cheap to copy; copies share the record of what was read.
+/// A table of a TOML file, read strictly: every key must be known, of the right type and in range. Errors
+/// name the file, line and key. Cheap to copy; copies share the record of what was read.
 class OptionTable {
  public:
   /// Throws an Error that names the file (and line) where it is missing or no TOML.
@@ -91,7 +106,8 @@ class OptionTable {
   /// The tables of an array of tables under `key`; none where it is missing.
   std::vector<OptionTable> tables(std::string_view key) const;
 
-  /// Throws where a key of this table was not read, and lists those that are known. Call it last, for every table.
+  /// Throws where a key of this table, or of a table taken from it, was not read, and lists those that are
+  /// known. Call it last; once on the whole document is enough.
   void finish() const;
 
   /// Throws an Error that names the file, the line of `key`, the key, and `message`.

@@ -9,7 +9,8 @@ namespace knuckle {
 /// Number of threads that parallel work uses: `set_thread_count`, or one a core.
 int thread_count();
 
-/// Sets that number for the whole program; 0 = one a core. Call it before parallel work, from the main thread.
+/// Sets that number for the whole program; 0 = one a core. Call it before parallel work, from the main
+/// thread.
 void set_thread_count(int count);
 
 /// Calls `work(i)` for each i in [0, count), on all threads, in no order. An exception of one call ends the

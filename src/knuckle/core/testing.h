@@ -28,13 +28,13 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Where the real recordings lie ($KNUCKLE_SHARED_DATA, else ../shared/data from the project's root); empty where
-/// they are missing. A test that needs them starts with
+/// Where the real recordings lie ($KNUCKLE_SHARED_DATA, else ../shared/data from the project's root); empty
+/// where they are missing. A test that needs them starts with
 ///     KNUCKLE_REQUIRE_SHARED_DATA(folder);
 std::filesystem::path shared_data_folder();
 
-#define KNUCKLE_REQUIRE_SHARED_DATA(folder)                                          \
-  const std::filesystem::path folder = ::knuckle::testing::shared_data_folder();     \
+#define KNUCKLE_REQUIRE_SHARED_DATA(folder)                                      \
+  const std::filesystem::path folder = ::knuckle::testing::shared_data_folder(); \
   if (folder.empty()) GTEST_SKIP() << "the shared recordings are not on this machine"
 
 /// The message of the Error that `action` throws; fails the test where it throws none.

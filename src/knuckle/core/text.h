@@ -7,9 +7,9 @@
 
 namespace knuckle {
 
-/// All numbers in `text`, parted by blanks or `separators`; empty fields between blanks do not count, nor does a
-/// trailing separator. `nan` (any case) is a number. Throws an Error that starts with `where` and quotes the first
-/// field that is none. `where` is "file" or "file:line".
+/// All numbers in `text`, parted by blanks or `separators`; empty fields between blanks do not count, nor
+/// does a trailing separator. `nan` (any case) is a number. Throws an Error that starts with `where` and
+/// quotes the first field that is none. `where` is "file" or "file:line".
 std::vector<double> parse_numbers(std::string_view text, std::string_view where,
                                   std::string_view separators = ",;");
 
