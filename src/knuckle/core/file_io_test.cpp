@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/file_io.h"
+
+#include <fstream>
+
+#include "knuckle/core/testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::size_t entries_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(FileIoTest, LinesLoseTheirEndsWhateverTheseAre) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "lines.txt", "one\r\ntwo\n\nlast");
+  EXPECT_THAT(read_lines(folder / "lines.txt"), ElementsAre("one", "two", "", "last"));
+}
+
+TEST(FileIoTest, AMissingFileIsNamed) {
+  const std::string message = error_of([] { read_text_file("/nowhere/file.txt"); });
+  EXPECT_THAT(message, HasSubstr("/nowhere/file.txt"));
+  EXPECT_THAT(message, HasSubstr("No such file"));
+}
+
+TEST(FileIoTest, AFolderIsNoFile) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { read_text_file(folder.path()); }), HasSubstr("expected a file, found a folder"));
+}
+
+TEST(FileIoTest, AFailedWriteLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "model.h5", "former");
+  const auto fail_half_way = [](const std::filesystem::path& temporary) {
+    std::ofstream(temporary) << "half";
+    fail("the writer broke");
+  };
+  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "model.h5", fail_half_way); }),
+              HasSubstr("the writer broke"));
+  EXPECT_EQ(read_text_file(folder / "model.h5"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, AnUnwritableFolderIsNamedAndNothingIsLeft) {
+  EXPECT_THAT(error_of([] { write_text_file("/proc/knuckle.txt", "text"); }), HasSubstr("/proc/knuckle.txt"));
+  EXPECT_THAT(error_of([] { make_folder("/proc/knuckle/out"); }), HasSubstr("/proc/knuckle/out"));
+}
+
+TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
+  const TemporaryFolder folder;
+  const auto fill_the_disk = [](const std::filesystem::path& temporary) {
+    std::filesystem::create_symlink("/dev/full", temporary);
+    std::ofstream stream(temporary);
+    stream << "text";
+    stream.close();
+    if (!stream) fail("report.html: cannot write: the disk is full");
+  };
+  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "report.html", fill_the_disk); }),
+              HasSubstr("report.html"));
+  EXPECT_EQ(entries_in(folder.path()), 0u);
+}
+
+}  // namespace
+}  // namespace knuckle

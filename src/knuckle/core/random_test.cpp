@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/random.h"
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace knuckle {
+namespace {
+
+// Known answers of philox4x32-10 that its authors publish with Random123.
+TEST(RandomTest, PhiloxGivesThePublishedAnswers) {
+  EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}),
+            (std::array<std::uint32_t, 4>{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+            (std::array<std::uint32_t, 4>{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (std::array<std::uint32_t, 4>{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(RandomTest, StreamsRepeatAndDiffer) {
+  Random a(7, 1);
+  Random same(7, 1);
+  Random other_stream(7, 2);
+  Random other_seed(8, 1);
+  const auto word = a();
+  EXPECT_EQ(word, same());
+  EXPECT_NE(word, other_stream());
+  EXPECT_NE(word, other_seed());
+}
+
+TEST(RandomTest, UniformHasTheMomentsOfTheUnitInterval) {
+  Random random(1);
+  constexpr int kCount = 100000;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random.uniform();
+    ASSERT_GE(x, 0.0);
+    ASSERT_LT(x, 1.0);
+    sum += x;
+    squares += x * x;
+  }
+  EXPECT_NEAR(sum / kCount, 0.5, 0.005);
+  EXPECT_NEAR(squares / kCount, 1.0 / 3.0, 0.005);
+}
+
+TEST(RandomTest, NormalHasZeroMeanUnitDeviationAndNoSkew) {
+  Random random(2);
+  constexpr int kCount = 100000;
+  double moments[4] = {};
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random.normal();
+    for (int power = 0; power < 4; ++power) moments[power] += std::pow(x, power + 1) / kCount;
+  }
+  EXPECT_NEAR(moments[0], 0.0, 0.015);
+  EXPECT_NEAR(moments[1], 1.0, 0.02);
+  EXPECT_NEAR(moments[2], 0.0, 0.05);
+  EXPECT_NEAR(moments[3], 3.0, 0.15);
+}
+
+TEST(RandomTest, BelowReachesEveryNumberEquallyOften) {
+  Random random(3);
+  constexpr std::uint32_t kNumbers = 7;
+  constexpr int kCount = 70000;
+  std::vector<int> histogram(kNumbers);
+  for (int i = 0; i < kCount; ++i) ++histogram.at(random.below(kNumbers));
+  for (const int count : histogram) EXPECT_NEAR(count, kCount / kNumbers, 500);
+  EXPECT_EQ(Random(4).below(1), 0u);
+}
+
+TEST(RandomTest, DerivedSeedsDiffer) {
+  std::set<std::uint64_t> seeds;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    for (std::uint64_t number = 0; number < 100; ++number) seeds.insert(derived_seed(seed, number));
+  }
+  EXPECT_EQ(seeds.size(), 1000u);
+}
+
+}  // namespace
+}  // namespace knuckle
