@@ -88,7 +88,7 @@ TEST(KernelSums, OfOnePointAreItsKernelAtEveryDistance) {
     const KernelSums sums = kernel_sums(cloud_of({Point3(100 + distance, 0, 512)}), Point3(100, 0, 512), h);
     const double rounded = double(float(100 + distance)) - 100.0;
     const double expected = std::exp(-rounded / h);
-    EXPECT_NEAR(sums.mass / expected, 1.0, 3e-6) << distance;
+    EXPECT_NEAR(sums.mass / expected, 1.0, 4e-6) << distance;
     EXPECT_TRUE(sums.spread.allFinite());
   }
 }
