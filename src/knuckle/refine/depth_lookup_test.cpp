@@ -26,7 +26,7 @@ class DepthLookupTest : public ::testing::Test {
     const HandPose refined = DepthLookup(options).refine(frame_, hand_, pose);
     std::vector<double> depths;
     for (std::size_t i = 0; i < joints.size(); ++i) {
-      if (!std::isnan(joints[i].u)) EXPECT_EQ(refined.joints[i].u, joints[i].u);
+      EXPECT_THAT(refined.joints[i].u, ::testing::NanSensitiveDoubleEq(joints[i].u));
       depths.push_back(refined.joints[i].depth_mm);
     }
     for (std::size_t i = joints.size(); i < refined.joints.size(); ++i)

@@ -15,10 +15,10 @@ namespace knuckle {
 
 /// One hand found in a frame.
 struct HandRegion {
-  Box box;                   ///< smallest box around the hand's pixels
-  Image<std::uint8_t> mask;  ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
-  Point3 centre;             ///< in camera coordinates [mm]
-  double score = 0.0;        ///< larger is surer; what it means is the method's matter
+  Box box;                         ///< smallest box around the hand's pixels
+  Image<std::uint8_t> mask;        ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
+  Point3 centre = Point3::Zero();  ///< in camera coordinates [mm]
+  double score = 0.0;              ///< larger is surer; what it means is the method's matter
 };
 
 /// The hands of a frame, best first. None found is an answer, not an error.
