@@ -15,7 +15,7 @@ struct HandPoseOptions {
   double closing_share = 0.15;       ///< between a closed and an open hand, at least 0
   double uniform_share = 0.15;       ///< anywhere within the limits of the joints, at least 0
   double jitter_deg = 6.0;           ///< deviation of what is added to each angle, [0, 45] [degree]
-  double penetration_mm = 5.0;       ///< how deep digits may run into one another, at least 0 [mm]
+  double penetration_mm = 6.0;       ///< how deep digits may run into one another, at least 0 [mm]
 
   void visit(OptionVisitor& visitor);
 };
