@@ -11,6 +11,12 @@
 namespace knuckle {
 namespace {
 
+/// The skin ends about this far beyond the middle finger's tip landmark (measured on the mean adult).
+constexpr float kSkinBeyondTip_mm = 1.5f;
+
+/// Halvings of [-1, 1]: the hand's length is then exact to a micrometre.
+constexpr int kBisections = 18;
+
 /// The share that a person has of a group of one property: "young", 0.7.
 struct Share {
   std::string_view group;
@@ -166,6 +172,28 @@ std::vector<double> shape_coefficients(const Body& body, const PersonShape& pers
     coefficients[found->second] = target.weight;
   }
   return coefficients;
+}
+
+double hand_length_mm(const ShapedBody& person) {
+  const auto landmark = [&](Landmark which) { return person.landmarks[static_cast<std::size_t>(which)]; };
+  const Eigen::Vector3f tip = landmark(Landmark::middle_tip);
+  const Eigen::Vector3f beyond = (tip - landmark(Landmark::middle_dip)).normalized() * kSkinBeyondTip_mm;
+  return (tip + beyond - landmark(Landmark::wrist)).norm();
+}
+
+PersonShape with_hand_length(const Body& body, PersonShape person, double length_mm) {
+  const auto length_at = [&](double scale) {
+    person.hand_scale = scale;
+    return hand_length_mm(shaped_body(body, shape_coefficients(body, person)));
+  };
+  double low = -1.0;
+  double high = 1.0;
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = 0.5 * (low + high);
+    (length_at(middle) < length_mm ? low : high) = middle;
+  }
+  person.hand_scale = 0.5 * (low + high);
+  return person;
 }
 
 std::vector<std::string> person_target_names() {

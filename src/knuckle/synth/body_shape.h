@@ -7,6 +7,7 @@
 
 #include "knuckle/core/options.h"
 #include "knuckle/synth/body.h"
+#include "knuckle/synth/skinning.h"
 
 namespace knuckle {
 
@@ -54,6 +55,15 @@ std::vector<WeightedTarget> weighted_targets(const PersonShape& person);
 /// The coefficients of this person for `shaped_body`, one a shape direction. Throws an Error where a field is
 /// out of its range, or where the body lacks a direction that the person needs.
 std::vector<double> shape_coefficients(const Body& body, const PersonShape& person);
+
+/// Length of the right hand at rest [mm] as anthropometry measures it: straight from the wrist's crease to
+/// the end of the middle finger.
+double hand_length_mm(const ShapedBody& person);
+
+/// The person with `hand_scale` set such that the hand has this length, or as near as [-1, 1] allows:
+/// MakeHuman's women have smaller and its men larger hands than surveys find (ANSUR II, 2012: 181 and 193 mm
+/// on average).
+PersonShape with_hand_length(const Body& body, PersonShape person, double length_mm);
 
 /// The names of all targets that a PersonShape can ask for: the shape directions of a body made from
 /// MakeHuman.

@@ -3,17 +3,23 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "knuckle/synth/body.h"
 
 namespace knuckle {
 
+inline constexpr int kFingers = 5;  ///< digits of a hand, the thumb first
+
 /// One hand of a body whose bones have MakeHuman's names.
 struct HandOfBody {
   std::string_view suffix;                     ///< ".R" or ".L"
   std::array<VertexGroup, 5> fingertip_bones;  ///< where the last bone of thumb, index, ..., little ends
 };
+
+/// MakeHuman's name of a digit's bone: finger 0 (thumb) to 4, joint 0 to 2 from the palm outwards.
+std::string finger_bone(int finger, int joint, std::string_view suffix);
 
 /// Moves the finger joints of a hand to where they are in people, and gives its skin weights that fit.
 ///
