@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "knuckle/core/box.h"
@@ -31,7 +33,8 @@ class Segmenter {
   virtual ~Segmenter() = default;
 
   /// `start`, where given, is a point in camera coordinates [mm] to look for the hand at; otherwise the method
-  /// chooses where to start (the nearest point). Safe to call from many threads.
+  /// chooses where to start (the nearest point). Throws an Error where the start is not finite (a missing joint is
+  /// the caller's to notice) or the image has not the size of its camera. Safe to call from many threads.
   virtual Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const = 0;
 };
 
