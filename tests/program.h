@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <ostream>
 #include <string>
@@ -19,6 +20,9 @@ struct ProgramRun {
 
 /// Runs the program with these arguments from the project's folder and waits for it.
 ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// The same on a disk that is full: no file of the program may grow beyond `kilobytes`.
+ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments);
 
 /// Matches a run that ended with status 0; shows what it printed otherwise.
 MATCHER(Succeeded, "") {

@@ -18,15 +18,19 @@ struct DemoArguments {
 };
 
 /// Frames a second that one core manages, from the median time of a frame.
-double frames_a_second(std::span<const FrameEstimate> frames) { return 1000.0 / median_ms(frames); }
+double frames_a_second(std::span<const FrameEstimate> frames) {
+  return 1000.0 / median_ms(frames);
+}
 
 Report report_of(const FrameSource& source, const std::string& name, std::span<const FrameEstimate> frames,
                  const Convention& convention) {
   const Truth truth = truth_from_source(source, name);
-  const std::vector<Predictions> predictions = {{"default pipeline", {name, convention, poses_of(frames, convention)}}};
+  const std::vector<Predictions> predictions = {
+      {"default pipeline", {name, convention, poses_of(frames, convention)}}};
   Report report;
   report.title = "Knuckle demo";
-  report.facts = {{"source", name}, {"speed", fmt::format("{:.0f} frames/s on one core", frames_a_second(frames))}};
+  report.facts = {{"source", name},
+                  {"speed", fmt::format("{:.0f} frames/s on one core", frames_a_second(frames))}};
   report.evaluation = evaluate(truth, predictions);
   report.gallery = make_gallery({&source, &truth, &*report.evaluation, predictions});
   return report;
@@ -40,7 +44,8 @@ void run_demo(const DemoArguments& arguments) {
   const std::vector<FrameEstimate> frames = estimate_all(*source, pipeline, Start::nearest, name);
   const Report report = report_of(*source, "synthetic:manifests/demo.toml", frames, pipeline.convention());
   const auto page = write_report(report, arguments.out);
-  write_poses_file(arguments.out / "poses.txt", pipeline.convention(), poses_of(frames, pipeline.convention()));
+  write_poses_file(arguments.out / "poses.txt", pipeline.convention(),
+                   poses_of(frames, pipeline.convention()));
   write_resolved_options(arguments.out, read_text_file(pipeline_path));
   const MethodScore& score = report.evaluation->methods.front();
   fmt::print("{} frames at {:.0f} frames/s on one core, mean 3D error {:.1f} mm\n", frames.size(),

@@ -79,7 +79,6 @@ Camera read_icg_calibration(const fs::path& path) {
 }
 
 std::string icg_calibration_text(const Camera& camera) {
-  if (camera.model != CameraModel::projective) fail("the icg format holds projective cameras only");
   const Camera stored = with_pixel_origin(camera, PixelOrigin::centre, PixelOrigin::corner);
   std::string text = fmt::format("{} {}\n{} {}\n", stored.fx, stored.fy, stored.cx, stored.cy);
   if (stored.is_distorted()) text += fmt::format("{}\n", fmt::join(stored.distortion, " "));

@@ -58,6 +58,8 @@ IcgWriter::IcgWriter(fs::path folder, const FrameWriterOptions& options)
 }
 
 void IcgWriter::write(std::int64_t index, const Frame& frame) {
+  if (frame.camera.model != CameraModel::projective)
+    fail("{}: frame {}: the icg format holds projective cameras only", folder_.string(), index);
   ledger_.enter(index, frame);
   const std::string stem = fmt::format("{:08}_0", index);  // no time stamp is known
   write_exr(folder_ / (stem + "_depth_0002.exr"), depth_in_metres(frame.depth_mm));

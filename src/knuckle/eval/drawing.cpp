@@ -134,7 +134,7 @@ Image<Rgb> picture_of(const Image<float>& depth_mm, const View& view, const Dept
 }
 
 void draw_skeleton(Image<Rgb>& picture, const HandPose& pose, const View& view, const Rgb& colour) {
-  constexpr double kSizeForWidth = 150.0;  // a picture of so many pixels has lines of one pixel
+  constexpr double kSizeForWidth = 200.0;  // a picture of so many pixels has lines of one pixel
   const int width =
       std::max(1, static_cast<int>(std::lround(std::max(picture.width(), picture.height()) / kSizeForWidth)));
   const int radius = (3 * width) << (kSubpixelBits - 1);  // 1.5 line widths

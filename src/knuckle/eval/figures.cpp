@@ -19,10 +19,13 @@ namespace {
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 constexpr std::array kDashes = {"1", "2", "4", "5"};  // gnuplot's dash types: solid, dashed, dash-dotted, ...
 constexpr std::size_t kLongestLegendEntry = 36;       // characters
-constexpr int kWidth = 720;                           // [px]
-constexpr int kPlotHeight = 400;                      // [px], without the legend
-constexpr int kLegendRowHeight = 22;                  // [px]
-constexpr int kLegendCharacters = 78;                 // of a legend's row, at the figure's font
+constexpr int kWidth = 600;                           // [px]
+constexpr int kPlotHeight = 300;                      // [px], title and axes' area without what is below it
+constexpr int kBelowAxis = 80;                        // [px], for the x axis' numbers and label
+constexpr int kBelowBars = 112;                       // [px], for the sloping names of the categories
+constexpr int kLegendRowHeight = 20;                  // [px]
+constexpr int kLegendMargin = 12;                     // [px], below the legend
+constexpr int kCharacterWidth = 8;                    // [px], of the figure's font
 constexpr int kLegendEntryExtra = 9;                  // characters that a legend's sample and gap take
 constexpr std::string_view kFont = "DejaVu Sans";
 
@@ -41,6 +44,11 @@ std::string legend_entry(const Series& series) {
   return shortened(series.name, kLongestLegendEntry);
 }
 
+/// Bars take the width of two figures with curves: a page shows all in one size of type.
+int width_of(const Figure& figure) {
+  return figure.kind == FigureKind::bars ? 2 * kWidth : kWidth;
+}
+
 /// How many entries of equal width a legend's row holds, and how many rows there are.
 struct LegendLayout {
   int columns = 1;
@@ -51,25 +59,21 @@ LegendLayout legend_layout(const Figure& figure) {
   std::size_t longest = 1;
   for (const Series& series : figure.series) longest = std::max(longest, legend_entry(series).size());
   const int count = static_cast<int>(figure.series.size());
+  const int entry_width = (static_cast<int>(longest) + kLegendEntryExtra) * kCharacterWidth;
   LegendLayout layout;
-  const int fitting = kLegendCharacters / (static_cast<int>(longest) + kLegendEntryExtra);
-  layout.columns = std::clamp(fitting, 1, std::max(count, 1));
+  layout.columns = std::clamp(width_of(figure) / entry_width, 1, std::max(count, 1));
   layout.rows = std::max(1, (count + layout.columns - 1) / layout.columns);
   return layout;
 }
 
-int width_of(const Figure& figure) {
-  constexpr int kBarWidth = 9;   // [px]
-  constexpr int kMargins = 120;  // [px]
-  if (figure.kind == FigureKind::curves) return kWidth;
-  const auto bars = static_cast<int>(figure.categories.size() * (figure.series.size() + 1));
-  return std::clamp(kMargins + bars * kBarWidth, kWidth, 2 * kWidth);
+/// Height of what lies below the plot: numbers or names, label, legend.
+int height_below_plot(const Figure& figure) {
+  return (figure.kind == FigureKind::bars ? kBelowBars : kBelowAxis) +
+         legend_layout(figure).rows * kLegendRowHeight + kLegendMargin;
 }
 
 int height_of(const Figure& figure) {
-  constexpr int kCategoryLabels = 60;  // [px], for the labels' slope
-  return kPlotHeight + legend_layout(figure).rows * kLegendRowHeight +
-         (figure.kind == FigureKind::bars ? kCategoryLabels : 0);
+  return kPlotHeight + height_below_plot(figure);
 }
 
 using Script = fmt::memory_buffer;
@@ -110,11 +114,12 @@ void add_frame(Script& script, const Figure& figure) {
   add(script, "set title {} textcolor rgb '#333333'", gnuplot_quoted(figure.title));
   add(script, "set xlabel {} textcolor rgb '#333333'", gnuplot_quoted(figure.x_label));
   add(script, "set ylabel {} textcolor rgb '#333333'", gnuplot_quoted(figure.y_label));
-  const LegendLayout legend = legend_layout(figure);
+  const double height = height_of(figure);
+  add(script, "set bmargin at screen {:.4f}", height_below_plot(figure) / height);
   add(script,
-      "set key outside below center horizontal Left reverse samplen 2 spacing 1.3 maxcols {} "
-      "textcolor rgb '#333333'",
-      legend.columns);
+      "set key at screen 0.5, screen {:.4f} center bottom horizontal Left reverse samplen 2 maxcols {} "
+      "spacing 1.25 textcolor rgb '#333333'",
+      kLegendMargin / height, legend_layout(figure).columns);
 }
 
 void add_curves(Script& script, const Figure& figure) {

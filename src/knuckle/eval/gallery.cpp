@@ -86,6 +86,7 @@ class FramePictures {
     row.caption = fmt::format("Frame {}", index_);
     if (!frame_.name.empty()) row.caption += fmt::format(" ({})", frame_.name);
     if (!reason.empty()) row.caption += ": " + reason;
+    row.shows_truth = truth_ != nullptr && !truth_->is_missing();
     const View view = hand_view();
     const Image<Rgb> ground = picture_of(frame_.depth_mm, view, hand_depths(view));
     for (std::size_t method = 0; method < input_.methods.size(); ++method) {
@@ -138,10 +139,11 @@ class FramePictures {
     return {{(width - side) / 2, (height - side) / 2, side, side}, double(options_.picture_size_px) / side};
   }
 
-  /// Depths around the hand's own, or all that is in view where no hand is known.
+  /// From a little before the nearest joint to a little behind the farthest; all that is in view where no
+  /// hand is known.
   DepthRange hand_depths(const View& view) const {
-    constexpr double kBefore = 120.0;  // [mm]
-    constexpr double kBehind = 180.0;  // [mm]
+    constexpr double kBefore = 30.0;  // [mm], joints lie below the skin
+    constexpr double kBehind = 60.0;  // [mm]
     std::vector<double> depths;
     const auto add = [&](const HandPose& pose) {
       for (const ImagePoint& joint : pose.joints) {
@@ -149,11 +151,11 @@ class FramePictures {
       }
     };
     if (truth_ != nullptr) add(*truth_);
-    for (std::size_t method = 0; depths.empty() && method < input_.methods.size(); ++method)
+    for (std::size_t method = 0; depths.empty() && method < input_.methods.size(); ++method) {
       add(predicted(method));
+    }
     if (depths.empty()) return depth_range_in(frame_.depth_mm, view.crop);
-    const double middle = median_of(depths);
-    return {middle - kBefore, middle + kBehind};
+    return {std::ranges::min(depths) - kBefore, std::ranges::max(depths) + kBehind};
   }
 
   GalleryPicture truth_picture(Image<Rgb> picture, const View& view) const {

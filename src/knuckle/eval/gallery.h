@@ -22,7 +22,8 @@ struct GalleryPicture {
 
 /// One frame, seen once a method.
 struct GalleryRow {
-  std::string caption;  ///< the frame
+  std::string caption;       ///< the frame
+  bool shows_truth = false;  ///< whether a true skeleton is drawn
   std::vector<GalleryPicture> pictures;
 };
 

@@ -9,6 +9,7 @@ namespace knuckle {
 namespace {
 
 constexpr int kCurveEndMm = 80;
+constexpr int kCurveEndPx = 40;
 
 std::vector<double> without_nan(std::span<const double> values) {
   std::vector<double> kept;
@@ -29,8 +30,9 @@ double mean_of_all(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-std::vector<double> curve_thresholds() {
-  std::vector<double> thresholds(kCurveEndMm + 1);
+/// 0, 1, ..., end.
+std::vector<double> whole_steps_to(int end) {
+  std::vector<double> thresholds(end + 1);
   std::iota(thresholds.begin(), thresholds.end(), 0.0);
   return thresholds;
 }
@@ -119,12 +121,15 @@ MethodScore score(const JointErrors& errors, const std::string& name) {
   result.median_2d_px = median_of(errors.distance_2d_px);
   result.auc_pck_0_50 = normalised_pck_area(known);
 
-  const std::vector<double> thresholds = curve_thresholds();
-  result.curves = {thresholds, fractions_within(largest, thresholds),
-                   fractions_within(without_nan(frames.mean), thresholds),
-                   fractions_within(known, thresholds)};
+  ErrorCurves& curves = result.curves;
+  curves.threshold_mm = whole_steps_to(kCurveEndMm);
+  curves.all_joints_within = fractions_within(largest, curves.threshold_mm);
+  curves.mean_within = fractions_within(without_nan(frames.mean), curves.threshold_mm);
+  curves.joints_within = fractions_within(known, curves.threshold_mm);
+  curves.threshold_px = whole_steps_to(kCurveEndPx);
+  curves.joints_within_px = fractions_within(without_nan(errors.distance_2d_px), curves.threshold_px);
   for (std::size_t i = 0; i < kTableThresholdsMm.size(); ++i) {
-    result.frames_all_joints_within[i] = result.curves.all_joints_within[kTableThresholdsMm[i]];
+    result.frames_all_joints_within[i] = curves.all_joints_within[kTableThresholdsMm[i]];
   }
   result.frame_mean_3d_mm = frames.mean;
   return result;

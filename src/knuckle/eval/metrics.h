@@ -23,13 +23,16 @@ struct JointScore {
 };
 
 /// Fractions of frames or joints within a distance D of the truth, for D = 0, 1, ..., 80 mm. "Within"
-/// includes D itself. Each rises with D and lies in [0, 1]; a missing prediction is within no distance.
+/// includes D itself. Each rises with D and lies in [0, 1]; a missing prediction is within no distance. The
+/// last pair is the same in the image, for R = 0, 1, ..., 40 px.
 struct ErrorCurves {
   std::vector<double> threshold_mm;
   std::vector<double> all_joints_within;  ///< frames whose worst joint is within D (Taylor et al. 2012)
   std::vector<double> mean_within;        ///< frames whose mean joint error is within D
   std::vector<double>
       joints_within;  ///< joints within D: percentage of correct keypoints (PCK), as a fraction
+  std::vector<double> threshold_px;
+  std::vector<double> joints_within_px;  ///< joints within R
 };
 
 /// The distances in mm for which tables and JSON give the fraction of frames with all joints within.

@@ -10,34 +10,38 @@
 namespace knuckle {
 namespace {
 
-std::vector<Figure> figures_of(const Report& report) {
-  std::vector<Figure> figures;
-  if (report.evaluation) figures = figures_of(*report.evaluation);
-  if (!report.segmentation.empty()) figures.push_back(overlap_figure(report.segmentation));
-  return figures;
+std::vector<DrawnFigure> drawn_figures(const std::vector<Figure>& figures,
+                                       const std::filesystem::path& folder) {
+  std::vector<DrawnFigure> drawn;
+  for (const Figure& figure : figures)
+    drawn.push_back({figure, read_text_file(folder / (figure.name + ".svg"))});
+  return drawn;
 }
 
-std::vector<DrawnFigure> drawn(const std::vector<Figure>& figures, const std::filesystem::path& folder) {
-  std::vector<DrawnFigure> result;
-  if (figures.empty()) return result;
+ReportFigures draw_figures(const Report& report, const std::filesystem::path& folder) {
+  std::vector<Figure> poses;
+  std::vector<Figure> segmentation;
+  if (report.evaluation) poses = figures_of(*report.evaluation);
+  if (!report.segmentation.empty()) segmentation.push_back(overlap_figure(report.segmentation));
+  std::vector<Figure> all = poses;
+  all.insert(all.end(), segmentation.begin(), segmentation.end());
+  if (all.empty()) return {};
   make_folder(folder);
-  write_figures(figures, folder);
-  for (const Figure& figure : figures)
-    result.push_back({figure, read_text_file(folder / (figure.name + ".svg"))});
-  return result;
+  write_figures(all, folder);
+  return {drawn_figures(poses, folder), drawn_figures(segmentation, folder)};
 }
 
 }  // namespace
 
-std::string report_html(const Report& report, const std::vector<DrawnFigure>& figures) {
+std::string report_html(const Report& report, const ReportFigures& figures) {
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
   page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
   page +=
       "<title>" + html_escaped(report.title) + "</title>\n<style>" + std::string(kReportStyle) + "</style>\n";
   page += "</head>\n<body>\n" + head_section(report);
   if (report.evaluation) page += score_section(*report.evaluation) + landmark_section(*report.evaluation);
-  if (!report.segmentation.empty()) page += segmentation_section(report.segmentation);
-  if (!figures.empty()) page += figure_section(figures);
+  if (!report.segmentation.empty()) page += segmentation_section(report.segmentation, figures.segmentation);
+  if (!figures.poses.empty()) page += figure_section(figures.poses);
   if (report.evaluation) page += joint_section(*report.evaluation);
   if (!report.gallery.empty()) page += gallery_section(report.gallery);
   if (report.evaluation) page += reading_section();
@@ -46,7 +50,7 @@ std::string report_html(const Report& report, const std::vector<DrawnFigure>& fi
 
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder) {
   make_folder(folder);
-  const std::vector<DrawnFigure> figures = drawn(figures_of(report), folder / "figures");
+  const ReportFigures figures = draw_figures(report, folder / "figures");
   if (report.evaluation) {
     write_text_file(folder / "metrics.json", to_json(*report.evaluation));
     write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));

@@ -34,8 +34,14 @@ struct DrawnFigure {
   std::string svg;
 };
 
+/// The figures of a report, each in its section.
+struct ReportFigures {
+  std::vector<DrawnFigure> poses;
+  std::vector<DrawnFigure> segmentation;
+};
+
 /// The report as one HTML page that needs no other file: figures as inline SVG, pictures as PNG inside.
-std::string report_html(const Report& report, const std::vector<DrawnFigure>& figures);
+std::string report_html(const Report& report, const ReportFigures& figures);
 
 /// Writes into `folder` (made where it is missing) `report.html`, and beside it `figures/NAME.svg` and
 /// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation. Returns the path

@@ -108,6 +108,16 @@ bool compare_the_same(const Evaluation& evaluation) {
   });
 }
 
+std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {
+  std::string html = fmt::format("<div class=\"{}\">\n", style);
+  for (const DrawnFigure& drawn : figures) {
+    add(html, "<figure{} id=\"{}\">{}</figure>\n",
+        drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "", html_escaped(drawn.figure.name),
+        inline_svg(drawn.svg, drawn.figure.title));
+  }
+  return html + "</div>\n";
+}
+
 }  // namespace
 
 std::string head_section(const Report& report) {
@@ -128,22 +138,24 @@ std::string head_section(const Report& report) {
 
 std::string score_section(const Evaluation& evaluation) {
   const std::vector<MethodScore>& methods = evaluation.methods;
+  const bool is_same = compare_the_same(evaluation);  // only then one can be called the best
+  const Better lower = is_same ? Better::lower : Better::neither;
+  const Better higher = is_same ? Better::higher : Better::neither;
   std::vector<Column> columns = {
-      column("missing<br>frames", methods, &MethodScore::missing, 0, Better::lower),
-      column("mean 3D<br>(mm)", methods, &MethodScore::mean_3d_mm, 2, Better::lower),
-      column("median 3D<br>(mm)", methods, &MethodScore::median_3d_mm, 2, Better::lower),
-      column("mean 2D<br>(px)", methods, &MethodScore::mean_2d_px, 2, Better::lower),
-      column("median 2D<br>(px)", methods, &MethodScore::median_2d_px, 2, Better::lower),
+      column("missing<br>frames", methods, &MethodScore::missing, 0, lower),
+      column("mean 3D<br>(mm)", methods, &MethodScore::mean_3d_mm, 2, lower),
+      column("median 3D<br>(mm)", methods, &MethodScore::median_3d_mm, 2, lower),
+      column("mean 2D<br>(px)", methods, &MethodScore::mean_2d_px, 2, lower),
+      column("median 2D<br>(px)", methods, &MethodScore::median_2d_px, 2, lower),
   };
   for (std::size_t i = 0; i < kTableThresholdsMm.size(); ++i) {
     const auto percent = [i](const MethodScore& method) {
       return 100.0 * method.frames_all_joints_within[i];
     };
     columns.push_back(column(fmt::format("all joints<br>&le; {} mm (%)", kTableThresholdsMm[i]), methods,
-                             percent, 1, Better::higher));
+                             percent, 1, higher));
   }
-  columns.push_back(
-      column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, Better::higher));
+  columns.push_back(column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, higher));
   return "<h2>Scores</h2>\n" + table("method", method_heads(methods), columns);
 }
 
@@ -176,7 +188,8 @@ std::string landmark_section(const Evaluation& evaluation) {
   return html + "</ul>\n";
 }
 
-std::string segmentation_section(const std::vector<SegmentationScore>& scores) {
+std::string segmentation_section(const std::vector<SegmentationScore>& scores,
+                                 const std::vector<DrawnFigure>& figures) {
   constexpr std::size_t kHalf = 50;  // the threshold t = 0.5
   const auto above_half = [](const SegmentationScore& score) {
     return 100.0 * score.fraction_above.at(kHalf);
@@ -187,17 +200,12 @@ std::string segmentation_section(const std::vector<SegmentationScore>& scores) {
                 column("missing<br>frames", scores, &SegmentationScore::missing, 0, Better::lower),
                 column("mean overlap r", scores, &SegmentationScore::mean_iou, 3, Better::higher),
                 column("median overlap r", scores, &SegmentationScore::median_iou, 3, Better::higher),
-                column("frames with<br>r &gt; 0.5 (%)", scores, above_half, 1, Better::higher)});
+                column("frames with<br>r &gt; 0.5 (%)", scores, above_half, 1, Better::higher)}) +
+         figure_grid(figures, "figures single");
 }
 
 std::string figure_section(const std::vector<DrawnFigure>& figures) {
-  std::string html = "<h2>Figures</h2>\n<div class=\"figures\">\n";
-  for (const DrawnFigure& drawn : figures) {
-    add(html, "<figure{} id=\"{}\">{}</figure>\n",
-        drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "", html_escaped(drawn.figure.name),
-        inline_svg(drawn.svg, drawn.figure.title));
-  }
-  return html + "</div>\n";
+  return "<h2>Figures</h2>\n" + figure_grid(figures, "figures");
 }
 
 std::string joint_section(const Evaluation& evaluation) {
@@ -219,19 +227,23 @@ std::string joint_section(const Evaluation& evaluation) {
 
 std::string gallery_section(const std::vector<GalleryRow>& rows) {
   std::string html = "<h2>Frames</h2>\n";
-  add(html, "<p>{}estimate &ensp; {}truth, where it is known. Near depth is bright.</p>\n",
-      swatch(hex_code(kEstimateColour)), swatch(hex_code(kTruthColour)));
+  add(html, "<p>{}estimate &ensp; ", swatch(hex_code(kEstimateColour)));
+  if (std::ranges::any_of(rows, &GalleryRow::shows_truth)) {
+    add(html, "{}truth &ensp; ", swatch(hex_code(kTruthColour)));
+  }
+  html += "Near depth is bright.</p>\n<div class=\"gallery\">\n";
   for (const GalleryRow& row : rows) {
-    add(html, "<h3>{}</h3>\n<div class=\"pictures\">\n", html_escaped(row.caption));
+    add(html, "<section class=\"frame\" style=\"--pictures:{}\"><h3>{}</h3>\n<div class=\"pictures\">\n",
+        row.pictures.size(), html_escaped(row.caption));
     for (const GalleryPicture& picture : row.pictures) {
       add(html,
           "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption><span>{0}</span>"
           "<span>{2}</span></figcaption></figure>\n",
           html_escaped(picture.caption), base64(png_bytes(picture.picture)), html_escaped(picture.note));
     }
-    html += "</div>\n";
+    html += "</div></section>\n";
   }
-  return html;
+  return html + "</div>\n";
 }
 
 std::string reading_section() {

@@ -19,9 +19,11 @@ std::string score_section(const Evaluation& evaluation);
 /// Which landmarks were compared, and which were dropped.
 std::string landmark_section(const Evaluation& evaluation);
 
-/// Overlap of estimated and true boxes, a row a method.
-std::string segmentation_section(const std::vector<SegmentationScore>& scores);
+/// Overlap of estimated and true boxes, a row a method, and the figures that belong to it.
+std::string segmentation_section(const std::vector<SegmentationScore>& scores,
+                                 const std::vector<DrawnFigure>& figures);
 
+/// Curves and bars of the pose errors.
 std::string figure_section(const std::vector<DrawnFigure>& figures);
 
 /// Joints x methods: mean 3D error.

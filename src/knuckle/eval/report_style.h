@@ -33,10 +33,14 @@ td.best { font-weight: 700; background: var(--best); }
 .swatch { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: 2px; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 30rem), 1fr)); gap: 1.2rem; }
 .figures .wide { grid-column: 1 / -1; }
+.figures.single { max-width: 36rem; margin-top: 1.2rem; }
 figure { margin: 0; }
 .figures figure { padding: 1rem; background: var(--card); border: 1px solid var(--line); border-radius: .5rem; }
 .figures svg { display: block; width: 100%; height: auto; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 14rem), 1fr)); gap: .8rem; }
+.gallery { display: flex; flex-wrap: wrap; gap: 0 1.1rem; --picture: 17rem; --gap: .8rem; }
+.frame { width: min(100%, calc(var(--pictures) * (var(--picture) + var(--gap)) - var(--gap))); }
+.pictures { display: flex; flex-wrap: wrap; gap: var(--gap); }
+.pictures figure { width: min(100%, var(--picture)); }
 .pictures img { display: block; width: 100%; border-radius: .4rem; }
 .pictures figcaption { display: flex; justify-content: space-between; gap: .8rem; padding: .3rem .1rem 0;
   overflow-wrap: anywhere; }
@@ -48,7 +52,7 @@ summary { cursor: pointer; font-weight: 600; }
 .figures svg [fill="rgb(51,51,51)"] { fill: var(--ink); }
 .figures svg [stroke="rgb( 51,  51,  51)"] { stroke: var(--soft); }
 .figures svg .gridline { stroke: var(--line); }
-@media print { .figures figure, .pictures figure, tr { break-inside: avoid; } }
+@media print { .figures figure, .frame, tr { break-inside: avoid; } }
 )css";
 
 }  // namespace knuckle

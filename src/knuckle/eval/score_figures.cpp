@@ -12,11 +12,12 @@ std::vector<double> in_percent(const std::vector<double>& fractions) {
   return percent;
 }
 
-Figure curve_figure(const Evaluation& evaluation, std::vector<double> ErrorCurves::*fractions) {
+Figure curve_figure(const Evaluation& evaluation, std::vector<double> ErrorCurves::*thresholds,
+                    std::vector<double> ErrorCurves::*fractions) {
   Figure figure;
-  figure.x_label = "distance D (mm)";
+  figure.x_label = thresholds == &ErrorCurves::threshold_mm ? "distance D (mm)" : "distance R (px)";
   for (const MethodScore& method : evaluation.methods) {
-    figure.x = method.curves.threshold_mm;
+    figure.x = method.curves.*thresholds;
     figure.series.push_back({method.name, in_percent(method.curves.*fractions)});
   }
   return figure;
@@ -64,13 +65,17 @@ Figure named(Figure figure, std::string name, std::string title, std::string y_l
 }  // namespace
 
 std::vector<Figure> figures_of(const Evaluation& evaluation) {
+  const auto over_mm = [&](std::vector<double> ErrorCurves::*fractions) {
+    return curve_figure(evaluation, &ErrorCurves::threshold_mm, fractions);
+  };
   return {
-      named(curve_figure(evaluation, &ErrorCurves::all_joints_within), "all_joints_within",
-            "Frames with all joints within D", "frames (%)"),
-      named(curve_figure(evaluation, &ErrorCurves::mean_within), "mean_within",
-            "Frames with the mean joint error within D", "frames (%)"),
-      named(curve_figure(evaluation, &ErrorCurves::joints_within), "joints_within", "Joints within D (PCK)",
-            "joints (%)"),
+      named(over_mm(&ErrorCurves::all_joints_within), "all_joints_within", "Frames with all joints within D",
+            "frames (%)"),
+      named(over_mm(&ErrorCurves::mean_within), "mean_within", "Frames with the mean joint error within D",
+            "frames (%)"),
+      named(over_mm(&ErrorCurves::joints_within), "joints_within", "Joints within D (PCK)", "joints (%)"),
+      named(curve_figure(evaluation, &ErrorCurves::threshold_px, &ErrorCurves::joints_within_px),
+            "joints_within_px", "Joints within R in the image", "joints (%)"),
       named(joint_figure(evaluation, &JointScore::mean_3d_mm, &MethodScore::mean_3d_mm), "joints_3d",
             "Mean 3D error of each joint", "error (mm)"),
       named(joint_figure(evaluation, &JointScore::mean_2d_px, &MethodScore::mean_2d_px), "joints_2d",

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "knuckle/estimate/estimator_factory.h"
+#include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/refine/refiner_factory.h"
 
@@ -32,8 +32,8 @@ PatchOptions patch_options_of(const OptionTable& document, const PatchStatistics
   const OptionTable table = document.table("patch");
   table.read(options);
   if (options.size_px != statistics.size_px) {
-    table.fail_at("size_px", fmt::format("is {}, but the model was trained on patches of {} px", options.size_px,
-                                         statistics.size_px));
+    table.fail_at("size_px", fmt::format("is {}, but the model was trained on patches of {} px",
+                                         options.size_px, statistics.size_px));
   }
   return options;
 }
@@ -65,16 +65,19 @@ FrameEstimate Pipeline::estimate(const Frame& frame, const std::optional<Point3>
 
 FrameEstimate Pipeline::estimate_right(const Frame& frame, const std::optional<Point3>& start) const {
   FrameEstimate result;
-  Segmentation segmentation = timed(result.times.segment_ms, [&] { return finder_.find_right(frame, start); });
+  Segmentation segmentation =
+      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, start); });
   for (HandRegion& region : segmentation.hands) {
-    if (auto pose = pose_of(frame, region, result.times)) result.hands.push_back({std::move(region), std::move(*pose)});
+    if (auto pose = pose_of(frame, region, result.times))
+      result.hands.push_back({std::move(region), std::move(*pose)});
   }
   result.reason = segmentation.reason;
   if (result.hands.empty() && result.reason.empty()) result.reason = "the hand has no measured pixel";
   return result;
 }
 
-std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const {
+std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region,
+                                          StageTimes& times) const {
   const auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
   if (!patch) return std::nullopt;
   HandPose pose = timed(times.estimate_ms, [&] {

@@ -47,8 +47,8 @@ class Pipeline {
 
   const HandOptions& hand() const { return finder_.hand(); }
 
-  /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in camera
-  /// coordinates [mm]. Safe to call from many threads.
+  /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
+  /// camera coordinates [mm]. Safe to call from many threads.
   FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
 
  private:

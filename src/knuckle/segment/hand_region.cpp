@@ -59,7 +59,8 @@ double area_mm2(const std::vector<std::int32_t>& pixels, const Frame& frame) {
 }
 
 void check_max_hands(int max_hands) {
-  if (max_hands < 1 || max_hands > kMostHands) fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);
+  if (max_hands < 1 || max_hands > kMostHands)
+    fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);
 }
 
 void check_start(const Frame& frame, const std::optional<Point3>& start) {

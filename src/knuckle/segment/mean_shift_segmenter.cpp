@@ -62,8 +62,10 @@ double MeanShiftSegmenter::reach_mm() const {
   return -std::log(options_.kernel_cutoff) * options_.mean_shift.bandwidth_mm;
 }
 
-MeanShiftSegmenter::Candidate MeanShiftSegmenter::candidate_at(const Frame& frame, const Image<float>& depth_mm,
-                                                               const RayTable& rays, const Point3& start) const {
+MeanShiftSegmenter::Candidate MeanShiftSegmenter::candidate_at(const Frame& frame,
+                                                               const Image<float>& depth_mm,
+                                                               const RayTable& rays,
+                                                               const Point3& start) const {
   const auto points_near = [&](const Point3& centre, double radius_mm) {
     return points_around(depth_mm, rays, centre, radius_mm);
   };
@@ -73,15 +75,17 @@ MeanShiftSegmenter::Candidate MeanShiftSegmenter::candidate_at(const Frame& fram
   const std::vector<std::int32_t> pixels = pixels_within(found.cloud, found.centre, reach_mm());
   const double area = area_mm2(pixels, frame);
   if (pixels.empty() || area < options_.min_area_mm2) {
-    candidate.reason = pixels.empty() ? "no measurement near the start"
-                                      : fmt::format("what is there covers {:.0f} mm^2, a hand at least {:.0f} mm^2",
-                                                    area, options_.min_area_mm2);
+    candidate.reason = pixels.empty()
+                           ? "no measurement near the start"
+                           : fmt::format("what is there covers {:.0f} mm^2, a hand at least {:.0f} mm^2",
+                                         area, options_.min_area_mm2);
     return candidate;
   }
   const double h = options_.mean_shift.bandwidth_mm;
   candidate.region = region_of_pixels(pixels, depth_mm.width());
   candidate.region->centre = found.centre;
-  candidate.region->score = found.mass * pixel_area_mm2(frame.camera, found.centre.z()) / (2 * std::numbers::pi * h * h);
+  candidate.region->score =
+      found.mass * pixel_area_mm2(frame.camera, found.centre.z()) / (2 * std::numbers::pi * h * h);
   return candidate;
 }
 

@@ -10,25 +10,29 @@
 
 namespace knuckle {
 
-/// Mean-shift hand segmentation (Riegler et al. 2015, eq. 2): the hand is what lies within the kernel's reach of the
-/// fixed point found from the start.
+/// Mean-shift hand segmentation (Riegler et al. 2015, eq. 2): the hand is what lies within the kernel's reach
+/// of the fixed point found from the start.
 struct MeanShiftSegmenterOptions {
   MeanShiftOptions mean_shift;
-  double kernel_cutoff = 1e-5;    ///< A point is hand where exp(-|x - centre| / h) exceeds this, (0, 1): 155 mm
-  double min_area_mm2 = 1500.0;   ///< Smaller regions are no hands, [0, 1e6] [mm^2]; a fist seen end-on has 3000
-  double separation_mm = 50.0;    ///< Points that near to a region found belong to no other hand, [0, 1000] [mm]
-  int max_candidates = 20;        ///< Nearest places tried before giving up, [1, 1000]
+  double kernel_cutoff = 1e-5;  ///< A point is hand where exp(-|x - centre| / h) exceeds this, (0, 1): 155 mm
+  double min_area_mm2 =
+      1500.0;  ///< Smaller regions are no hands, [0, 1e6] [mm^2]; a fist seen end-on has 3000
+  double separation_mm =
+      50.0;                 ///< Points that near to a region found belong to no other hand, [0, 1000] [mm]
+  int max_candidates = 20;  ///< Nearest places tried before giving up, [1, 1000]
 
   void visit(OptionVisitor& visitor);
 };
 
-/// Starts at the given point, or at the nearest pixel after a 5x5 median (nearest_pixel.h). A region whose area (of its
-/// pixels, each taken parallel to the image) is below `min_area_mm2` is no hand: a speckle nearer than the hand. Where
-/// no start was given, such a region is taken out and the search goes on at the nearest pixel of the rest. For further
-/// hands the regions found are taken out with all points within `separation_mm` of their ball.
+/// Starts at the given point, or at the nearest pixel after a 5x5 median (nearest_pixel.h). A region whose
+/// area (of its pixels, each taken parallel to the image) is below `min_area_mm2` is no hand: a speckle
+/// nearer than the hand. Where no start was given, such a region is taken out and the search goes on at the
+/// nearest pixel of the rest. For further hands the regions found are taken out with all points within
+/// `separation_mm` of their ball.
 ///
 /// Score: the kernel-weighted area over that of an unbounded plane through the centre, facing the camera
-/// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse measurements.
+/// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse
+/// measurements.
 class MeanShiftSegmenter final : public Segmenter {
  public:
   /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
