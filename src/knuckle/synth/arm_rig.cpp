@@ -44,14 +44,13 @@ ArmAngles ArmAngles::from_values(const std::vector<double>& values) {
 }
 
 const std::vector<AngleRange>& arm_ranges() {
-  static const std::vector<AngleRange> kRanges = {
-      {0, 105 * kDegree},              // shoulder elevation
-      {15 * kDegree, 120 * kDegree},   // shoulder azimuth
-      {-70 * kDegree, 75 * kDegree},   // humeral rotation
-      {5 * kDegree, 140 * kDegree},    // elbow flexion
-      {-85 * kDegree, 85 * kDegree},   // supination
-      {-70 * kDegree, 75 * kDegree},   // wrist flexion
-      {-20 * kDegree, 35 * kDegree}};  // wrist deviation
+  static const std::vector<AngleRange> kRanges = {{0, 105 * kDegree},              // shoulder elevation
+                                                  {15 * kDegree, 120 * kDegree},   // shoulder azimuth
+                                                  {-70 * kDegree, 75 * kDegree},   // humeral rotation
+                                                  {5 * kDegree, 140 * kDegree},    // elbow flexion
+                                                  {-85 * kDegree, 85 * kDegree},   // supination
+                                                  {-70 * kDegree, 75 * kDegree},   // wrist flexion
+                                                  {-20 * kDegree, 35 * kDegree}};  // wrist deviation
   return kRanges;
 }
 
@@ -102,7 +101,8 @@ std::vector<BoneRotation> ArmRig::rotations(const ArmAngles& angles) const {
   // The palm's axes, once the wrist is straight.
   const Vector3d radial = straight * hand_axes_.col(0);
   const Vector3d palmar = straight * hand_axes_.col(2);
-  add(wrist_, AngleAxisd(angles.wrist_flexion, radial) * AngleAxisd(angles.wrist_deviation, palmar) * straight);
+  add(wrist_,
+      AngleAxisd(angles.wrist_flexion, radial) * AngleAxisd(angles.wrist_deviation, palmar) * straight);
   return result;
 }
 

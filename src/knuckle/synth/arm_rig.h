@@ -26,12 +26,13 @@ struct ArmAngles {
   bool operator==(const ArmAngles&) const = default;
 };
 
-/// How far each of them goes, in the order of ArmAngles (healthy adults; American Academy of Orthopaedic Surgeons,
-/// "Joint motion", 1965; the shoulder's range is what an interaction in front of a camera asks for).
+/// How far each of them goes, in the order of ArmAngles (healthy adults; American Academy of Orthopaedic
+/// Surgeons, "Joint motion", 1965; the shoulder's range is what an interaction in front of a camera asks
+/// for).
 const std::vector<AngleRange>& arm_ranges();
 
-/// Poses the right arm of one person: MakeHuman's bones upperarm01.R, lowerarm01.R, lowerarm02.R and wrist.R. A body
-/// that lacks one of them is a hand alone: then nothing but what it has is turned.
+/// Poses the right arm of one person: MakeHuman's bones upperarm01.R, lowerarm01.R, lowerarm02.R and wrist.R.
+/// A body that lacks one of them is a hand alone: then nothing but what it has is turned.
 class ArmRig {
  public:
   explicit ArmRig(const ShapedBody& person);
@@ -46,8 +47,9 @@ class ArmRig {
   int forearm_;
   int wrist_;
   Eigen::Matrix3d hand_axes_;
-  Eigen::Matrix3d upper_arm_frame_ = Eigen::Matrix3d::Identity();  ///< at rest: along, bend direction, elbow's axis
-  Eigen::Vector3d forearm_direction_ = Eigen::Vector3d::UnitZ();   ///< at rest, elbow to wrist
+  Eigen::Matrix3d upper_arm_frame_ =
+      Eigen::Matrix3d::Identity();  ///< at rest: along, bend direction, elbow's axis
+  Eigen::Vector3d forearm_direction_ = Eigen::Vector3d::UnitZ();  ///< at rest, elbow to wrist
   double rest_elbow_flexion_ = 0.0;
   double rest_supination_ = 0.0;
 };

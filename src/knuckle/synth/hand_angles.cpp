@@ -15,15 +15,15 @@ struct RangeInDegrees {
   double high;
 };
 
-// Ranges of active motion of healthy hands (American Academy of Orthopaedic Surgeons, "Joint motion", 1965; Lin, Wu
-// and Huang 2000), with the hyperextension that many people show. In the order of HandAngle.
+// Ranges of active motion of healthy hands (American Academy of Orthopaedic Surgeons, "Joint motion", 1965;
+// Lin, Wu and Huang 2000), with the hyperextension that many people show. In the order of HandAngle.
 constexpr std::array<RangeInDegrees, kHandAngleCount> kRanges = {{
-    {0, 65}, {-15, 70}, {-25, 35}, {-15, 60}, {-25, 85},  // thumb
-    {-25, 95}, {-15, 25}, {-5, 110}, {-10, 80},           // index
-    {-25, 95}, {-12, 12}, {-5, 112}, {-10, 80},           // middle
-    {-25, 95}, {-12, 20}, {-5, 112}, {-10, 80},           // ring
-    {-30, 100}, {-12, 35}, {-5, 110}, {-10, 80},          // little
-    {0, 25},                                              // palm
+    {0, 65},    {-15, 70}, {-25, 35}, {-15, 60}, {-25, 85},  // thumb
+    {-25, 95},  {-15, 25}, {-5, 110}, {-10, 80},             // index
+    {-25, 95},  {-12, 12}, {-5, 112}, {-10, 80},             // middle
+    {-25, 95},  {-12, 20}, {-5, 112}, {-10, 80},             // ring
+    {-30, 100}, {-12, 35}, {-5, 110}, {-10, 80},             // little
+    {0, 25},                                                 // palm
 }};
 
 /// How far the DIP strays from its coupling: pressed back against a thing, or hooked.

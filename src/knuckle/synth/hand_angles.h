@@ -7,8 +7,9 @@
 
 namespace knuckle {
 
-/// The angles that bend a hand [rad]. All 0 is the straight hand: fingers straight, parallel to the middle metacarpal,
-/// in the plane of the palm; the thumb straight, in the plane of the palm, beside the index finger.
+/// The angles that bend a hand [rad]. All 0 is the straight hand: fingers straight, parallel to the middle
+/// metacarpal, in the plane of the palm; the thumb straight, in the plane of the palm, beside the index
+/// finger.
 enum class HandAngle : std::uint8_t {
   thumb_radial,  ///< of the metacarpal in the plane of the palm, away from the index finger
   thumb_palmar,  ///< of the metacarpal out of the plane of the palm, towards its front
@@ -63,10 +64,12 @@ AngleRange range_of(HandAngle angle);
 
 /// How far the DIP bends by itself where the PIP bends by `pip`: two thirds (Lin, Wu and Huang, "Modeling the
 /// constraints of human hand motion", 2000).
-inline double coupled_dip(double pip) { return pip * (2.0 / 3.0); }
+inline double coupled_dip(double pip) {
+  return pip * (2.0 / 3.0);
+}
 
-/// The nearest angles that a hand can take: each in its range; the DIP near its coupling to the PIP; less spread the
-/// more an MCP is bent, as its ligaments tighten.
+/// The nearest angles that a hand can take: each in its range; the DIP near its coupling to the PIP; less
+/// spread the more an MCP is bent, as its ligaments tighten.
 HandAngles within_limits(HandAngles angles);
 
 /// (1 - t) a + t b, angle by angle.

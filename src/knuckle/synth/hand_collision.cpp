@@ -7,8 +7,8 @@
 namespace knuckle {
 namespace {
 
-/// Half the thickness of each phalanx and of the palm in parts of the distance from the wrist to the middle MCP
-/// (about 95 mm; thicknesses of the fingers after Garrett, "The adult human hand", 1971).
+/// Half the thickness of each phalanx and of the palm in parts of the distance from the wrist to the middle
+/// MCP (about 95 mm; thicknesses of the fingers after Garrett, "The adult human hand", 1971).
 constexpr std::array<double, 3> kFingerRadii = {0.085, 0.078, 0.068};
 constexpr std::array<double, 3> kThumbRadii = {0.110, 0.098, 0.085};
 constexpr double kPalmRadius = 0.115;

@@ -13,10 +13,11 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// How far the flexion axis of each finger leans out of the plane of the palm, so that bent fingers come together
-/// towards the base of the thumb: index to little.
+/// How far the flexion axis of each finger leans out of the plane of the palm, so that bent fingers come
+/// together towards the base of the thumb: index to little.
 constexpr std::array<double, 4> kAxisLean = {0.10, 0.02, -0.06, -0.14};
-/// The thumb's metacarpal turns about itself while it leaves the plane of the palm, as its saddle joint makes it.
+/// The thumb's metacarpal turns about itself while it leaves the plane of the palm, as its saddle joint makes
+/// it.
 constexpr double kThumbTwistAPalmar = 0.55;
 /// The ring metacarpal's part of the little metacarpal's flexion.
 constexpr double kRingArch = 0.5;
@@ -99,7 +100,8 @@ HandRig::Digit HandRig::finger_of(const ShapedBody& person, int finger) const {
 
 HandRig::Digit HandRig::thumb_of(const ShapedBody& person) const {
   Digit digit = digit_of(person, 1);
-  // A thumb at rest is bent about its own flexion axis; a straight one would not show it, so lean on the palm's.
+  // A thumb at rest is bent about its own flexion axis; a straight one would not show it, so lean on the
+  // palm's.
   constexpr double kPalmarShare = 0.1;
   const Vector3d bend = digit.directions[0].cross(digit.directions[2]);
   const Vector3d axis = across(bend + kPalmarShare * axes_.col(2), digit.directions[0]);
@@ -113,7 +115,8 @@ HandRig::Digit HandRig::thumb_of(const ShapedBody& person) const {
 /// Turns `forward` in the plane of the palm by `radial` towards the thumb's side, then out of it by `palmar`.
 Quaterniond HandRig::thumb_swing(double radial, double palmar) const {
   const double turn = kThumbTwistAPalmar * palmar;
-  return AngleAxisd(-radial, axes_.col(2)) * AngleAxisd(palmar, axes_.col(0)) * AngleAxisd(-turn, axes_.col(1));
+  return AngleAxisd(-radial, axes_.col(2)) * AngleAxisd(palmar, axes_.col(0)) *
+         AngleAxisd(-turn, axes_.col(1));
 }
 
 void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const HandAngles& angles) const {
@@ -124,24 +127,24 @@ void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const Ha
   result.push_back(bone_rotation(digit.bones[0], AngleAxisd(angles[names.mcp], digit.flexion_axes[0]) *
                                                      AngleAxisd(spread, digit.spread_axis) *
                                                      digit.straighten[0]));
-  result.push_back(bone_rotation(
-      digit.bones[1], AngleAxisd(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
-  result.push_back(bone_rotation(
-      digit.bones[2], AngleAxisd(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
+  result.push_back(bone_rotation(digit.bones[1],
+                                 AngleAxisd(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
+  result.push_back(bone_rotation(digit.bones[2],
+                                 AngleAxisd(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
 }
 
 void HandRig::add_thumb(std::vector<BoneRotation>& result, const HandAngles& angles) const {
   const Quaterniond rest = thumb_swing(thumb_rest_radial_, thumb_rest_palmar_);
-  const Quaterniond swing =
-      thumb_swing(angles[HandAngle::thumb_radial], angles[HandAngle::thumb_palmar]) *
-      Quaterniond(AngleAxisd(-angles[HandAngle::thumb_twist], axes_.col(1))) * rest.inverse();
+  const Quaterniond swing = thumb_swing(angles[HandAngle::thumb_radial], angles[HandAngle::thumb_palmar]) *
+                            Quaterniond(AngleAxisd(-angles[HandAngle::thumb_twist], axes_.col(1))) *
+                            rest.inverse();
   result.push_back(bone_rotation(thumb_.bones[0], swing));
-  result.push_back(bone_rotation(
-      thumb_.bones[1],
-      AngleAxisd(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
-  result.push_back(bone_rotation(
-      thumb_.bones[2],
-      AngleAxisd(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
+  result.push_back(
+      bone_rotation(thumb_.bones[1],
+                    AngleAxisd(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
+  result.push_back(
+      bone_rotation(thumb_.bones[2],
+                    AngleAxisd(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
 }
 
 std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
@@ -151,8 +154,8 @@ std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
   const double arch = angles[HandAngle::palm_arch];
   for (const auto& [finger, share] : {std::pair{2, kRingArch}, std::pair{3, 1.0}}) {
     if (fingers_[finger].metacarpal < 0) continue;
-    result.push_back(bone_rotation(fingers_[finger].metacarpal,
-                                   Quaterniond(AngleAxisd(share * arch, axes_.col(0)))));
+    result.push_back(
+        bone_rotation(fingers_[finger].metacarpal, Quaterniond(AngleAxisd(share * arch, axes_.col(0)))));
   }
   return result;
 }

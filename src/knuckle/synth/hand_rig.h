@@ -18,16 +18,17 @@ struct BoneRotation {
   Eigen::Quaternionf rotation = Eigen::Quaternionf::Identity();
 };
 
-/// Orthonormal axes of a right hand, as columns: `radial` from the little finger's side to the thumb's, `forward`
-/// from the wrist to the middle finger's MCP, `palmar` out of the palm. Right-handed.
+/// Orthonormal axes of a right hand, as columns: `radial` from the little finger's side to the thumb's,
+/// `forward` from the wrist to the middle finger's MCP, `palmar` out of the palm. Right-handed.
 Eigen::Matrix3d hand_axes(const Eigen::Vector3d& wrist, const Eigen::Vector3d& index_mcp,
                           const Eigen::Vector3d& middle_mcp, const Eigen::Vector3d& little_mcp);
 
 /// The same of 22 posed landmarks.
 Eigen::Matrix3d hand_axes(const std::array<Point3, kSupersetSize>& landmarks);
 
-/// Bends the right hand of one person by joint angles. Axes come from the person's joints at rest; the fingers, which
-/// a mesh at rest shows slightly bent, are first made straight, so that an angle of 0 means what it says.
+/// Bends the right hand of one person by joint angles. Axes come from the person's joints at rest; the
+/// fingers, which a mesh at rest shows slightly bent, are first made straight, so that an angle of 0 means
+/// what it says.
 ///
 /// The body's bones are named as MakeHuman's: finger1-1.R (the thumb's metacarpal) to finger5-3.R, and
 /// metacarpal1.R to metacarpal4.R, which a body may lack.

@@ -15,8 +15,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kThumbAngles = 5;
 constexpr int kAnglesAFinger = 4;
 
-constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside", "loose_fist", "small_cylinder",
-                                                     "thumb_up"};
+constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside", "loose_fist",
+                                                     "small_cylinder", "thumb_up"};
 constexpr std::array<std::string_view, 5> kOpen = {"open", "spread", "flat", "relaxed", "flat_thumb_in"};
 
 const HandAngles& any_gesture(Random& random) {
@@ -66,7 +66,8 @@ double within(HandAngle angle, double share) {
   return range.low + share * (range.high - range.low);
 }
 
-/// Fingers bend together as tendons and habit make them: each joint shares a level that is uniform over the range.
+/// Fingers bend together as tendons and habit make them: each joint shares a level that is uniform over the
+/// range.
 HandAngles uniform_hand(Random& random) {
   constexpr double kOwnWay = 0.18;  ///< deviation of one finger from the others, in parts of the range
   HandAngles angles;
@@ -95,11 +96,16 @@ HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
   std::size_t kind = 0;
   while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
   switch (kind) {
-    case 0: return any_gesture(random);
-    case 1: return between_gestures(random);
-    case 2: return mixed_digits(random);
-    case 3: return closing_hand(random);
-    default: return uniform_hand(random);
+    case 0:
+      return any_gesture(random);
+    case 1:
+      return between_gestures(random);
+    case 2:
+      return mixed_digits(random);
+    case 3:
+      return closing_hand(random);
+    default:
+      return uniform_hand(random);
   }
 }
 
@@ -118,9 +124,12 @@ void HandPoseOptions::visit(OptionVisitor& visitor) {
 void check(const HandPoseOptions& options, std::string_view what) {
   check_options(options, what);
   if (options.gesture_share + options.pair_share + options.mixed_share + options.closing_share +
-          options.uniform_share <= 0.0) {
-    fail("{}: all of gesture_share, pair_share, mixed_share, closing_share and uniform_share are 0; expected one above 0",
-         what);
+          options.uniform_share <=
+      0.0) {
+    fail(
+        "{}: all of gesture_share, pair_share, mixed_share, closing_share and uniform_share are 0; expected "
+        "one above 0",
+        what);
   }
 }
 

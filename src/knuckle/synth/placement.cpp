@@ -151,7 +151,8 @@ void check(const PlacementOptions& options, std::string_view what) {
     fail("{}: facing_share, shoulder_share and free_share are all 0; expected one above 0", what);
   }
   if (options.nearest_mm > options.farthest_mm) {
-    fail("{}: nearest_mm is {}, expected at most farthest_mm, {}", what, options.nearest_mm, options.farthest_mm);
+    fail("{}: nearest_mm is {}, expected at most farthest_mm, {}", what, options.nearest_mm,
+         options.farthest_mm);
   }
 }
 
@@ -167,8 +168,8 @@ ArmAngles sampled_arm(const PlacementOptions& options, Random& random) {
   return arm;
 }
 
-double violation(const BodyRig& rig, const BodyPose& pose, const Camera& camera, const PlacementOptions& options,
-                 double allowed_outside) {
+double violation(const BodyRig& rig, const BodyPose& pose, const Camera& camera,
+                 const PlacementOptions& options, double allowed_outside) {
   const std::array<Point3, kSupersetSize> landmarks = rig.landmarks(pose);
   double total = landmark_violation(landmarks, camera, allowed_outside);
   double nearest = std::numeric_limits<double>::infinity();

@@ -12,8 +12,8 @@
 namespace knuckle {
 namespace {
 
-/// Normal numbers come from a table of equally likely values, picked by 16 random bits: eight from one Philox block,
-/// without a logarithm. It ends at 4.3 deviations.
+/// Normal numbers come from a table of equally likely values, picked by 16 random bits: eight from one Philox
+/// block, without a logarithm. It ends at 4.3 deviations.
 constexpr int kQuantiles = 1 << 16;
 constexpr std::size_t kNormalsABlock = 8;
 
@@ -63,7 +63,8 @@ void add_noise(Image<float>& depth_mm, float sigma_mm, std::uint64_t seed) {
   float* depths = depth_mm.data();
   for (std::size_t first = 0; first < depth_mm.size(); first += kNormalsABlock) {
     const std::size_t count = std::min(kNormalsABlock, depth_mm.size() - first);
-    if (std::all_of(depths + first, depths + first + count, [](float depth) { return depth == 0.0f; })) continue;
+    if (std::all_of(depths + first, depths + first + count, [](float depth) { return depth == 0.0f; }))
+      continue;
     const auto noise = normals(seed, static_cast<std::uint32_t>(first / kNormalsABlock));
     for (std::size_t i = 0; i < count; ++i) {
       if (depths[first + i] != 0.0f) depths[first + i] += sigma_mm * noise[i];
@@ -92,8 +93,8 @@ Image<float> measured(const Image<float>& depth_mm, const SensorOptions& options
   if (step > 0.0f) {
     for (float& depth : result.pixels()) depth = std::nearbyint(depth / step) * step;
   }
-  const float farthest = options.range_mm > 0.0 ? static_cast<float>(options.range_mm)
-                                                : std::numeric_limits<float>::infinity();
+  const float farthest =
+      options.range_mm > 0.0 ? static_cast<float>(options.range_mm) : std::numeric_limits<float>::infinity();
   for (float& depth : result.pixels()) depth = depth > 0.0f && depth <= farthest ? depth : 0.0f;
   return result;
 }

@@ -58,7 +58,8 @@ TEST(SensorNoise, LeavesTheUnmeasuredAlone) {
 }
 
 TEST(SensorNoise, RoundsToWholeSteps) {
-  const Image<float> rounded = measured(Image<float>(64, 48, 433.3f), {.sigma_mm = 5.0, .quantisation_mm = 2.5}, 3);
+  const Image<float> rounded =
+      measured(Image<float>(64, 48, 433.3f), {.sigma_mm = 5.0, .quantisation_mm = 2.5}, 3);
   for (const float depth : rounded.pixels()) EXPECT_EQ(depth, std::nearbyint(depth / 2.5f) * 2.5f);
 }
 
