@@ -106,6 +106,9 @@ class OptionTable {
   /// The tables of an array of tables under `key`; none where it is missing.
   std::vector<OptionTable> tables(std::string_view key) const;
 
+  /// Counts `key` as read, whatever stands under it: it belongs to somebody else.
+  void leave(std::string_view key) const;
+
   /// Throws where a key of this table, or of a table taken from it, was not read, and lists those that are
   /// known. Call it last; once on the whole document is enough.
   void finish() const;

@@ -118,6 +118,12 @@ TEST(OptionsTest, ATableThatNobodyReadIsUnknown) {
               HasSubstr("segmentatoin: unknown key; known are segmentation"));
 }
 
+TEST(OptionsTest, WhatIsLeftToOthersIsNotUnknown) {
+  const OptionTable root = OptionTable::parse("[estimator]\nmodel = 1", "f");
+  root.leave("estimator");
+  EXPECT_NO_THROW(root.finish());
+}
+
 TEST(OptionsTest, CheckingNamesTheOwnerFieldAndBound) {
   ExampleOptions options;
   options.count = 0;

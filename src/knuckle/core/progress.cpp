@@ -2,6 +2,7 @@
 #include "knuckle/core/progress.h"
 
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ constexpr std::chrono::seconds kLogInterval{30};
 std::atomic<bool> is_progress_on = true;
 
 std::string readable_duration(double seconds) {
-  const auto whole = static_cast<long long>(seconds + 0.5);
+  const auto whole = std::llround(seconds);
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);

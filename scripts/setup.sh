@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs everything that Knuckle needs on Debian 12 or Ubuntu 24.04, and fetches the MakeHuman body.
+# Does nothing where all is there already. Needs root (or sudo) only for packages that are missing.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+  # tools
+  g++ cmake ninja-build pkg-config ccache clang-format clang-tidy gnuplot-nox fonts-dejavu-core python3
+  # libraries
+  libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
+  libopenexr-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+# npm comes with some machines' own Node.js; Debian's package is needed only where it does not.
+command -v npm >/dev/null || packages+=(npm)
+
+is_installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+
+# Some images bring a tool without its package.
+has_command() {
+  case "$1" in
+    g++) command -v g++ ;;
+    cmake) command -v cmake ;;
+    ninja-build) command -v ninja ;;
+    pkg-config) command -v pkg-config ;;
+    python3) command -v python3 ;;
+    *) return 1 ;;
+  esac >/dev/null
+}
+
+missing=()
+for package in "${packages[@]}"; do
+  is_installed "$package" || has_command "$package" || missing+=("$package")
+done
+if [ ${#missing[@]} -gt 0 ]; then
+  if ! command -v apt-get >/dev/null; then
+    echo "setup.sh: these packages are missing, and there is no apt-get to install them: ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=()
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  echo "Installing ${#missing[@]} packages: ${missing[*]}"
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
+fi
+
+scripts/fetch_makehuman.sh

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/cli/verb.h"
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/pipeline/run.h"
+
+namespace knuckle::cli {
+namespace {
+
+std::string& command_line() {
+  static std::string line;
+  return line;
+}
+
+}  // namespace
+
+CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string& description,
+                   const std::string& example) {
+  CLI::App& verb = *program.add_subcommand(name, description);
+  verb.footer("Example:\n  " + example);
+  verb.add_option_function<int>("--threads", set_thread_count, "Threads to use; 0: one a core")
+      ->check(CLI::Range(0, 4096))
+      ->default_str("0");
+  return verb;
+}
+
+void add_init_option(CLI::App& verb, std::string& init) {
+  verb.add_option("--init", init, "Where segmentation starts: nearest point, or the true palm")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kStartNames), std::end(kStartNames))))
+      ->capture_default_str();
+}
+
+void remember_command_line(int count, const char* const* arguments) {
+  command_line().clear();
+  for (int i = 0; i < count; ++i) command_line() += (i == 0 ? "" : " ") + std::string(arguments[i]);
+}
+
+void write_resolved_options(const std::filesystem::path& output, std::string_view toml) {
+  const std::filesystem::path path =
+      std::filesystem::is_directory(output) ? output / "options.toml" : output.string() + ".options.toml";
+  write_text_file(path, fmt::format("# {}\n{}", command_line(), toml));
+}
+
+}  // namespace knuckle::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+namespace knuckle::cli {
+
+/// Adds a verb with its example and the options that all verbs have.
+CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string& description,
+                   const std::string& example);
+
+// One file a verb; each adds its verb to the program.
+void add_demo(CLI::App& program);
+void add_estimate(CLI::App& program);
+void add_evaluate(CLI::App& program);
+void add_info(CLI::App& program);
+void add_inspect(CLI::App& program);
+void add_render(CLI::App& program);
+void add_segment(CLI::App& program);
+void add_train(CLI::App& program);
+
+/// Adds --init nearest|truth: where segmentation starts.
+void add_init_option(CLI::App& verb, std::string& init);
+
+/// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a
+/// folder gets "options.toml" in it. The command line comes first, as a comment.
+void write_resolved_options(const std::filesystem::path& output, std::string_view toml);
+
+/// The command line of this run, for `write_resolved_options`.
+void remember_command_line(int count, const char* const* arguments);
+
+}  // namespace knuckle::cli

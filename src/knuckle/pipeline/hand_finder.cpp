@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/pipeline/hand_finder.h"
+
+#include <array>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/segment/segmenter_factory.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::string_view kSides[] = {"right", "left"};
+
+/// The known joints among `wanted`, in camera coordinates.
+std::vector<Point3> known_joints(const Frame& frame, std::span<const Landmark> wanted) {
+  const Projection projection(frame.camera);
+  std::vector<Point3> points;
+  for (const Landmark landmark : wanted) {
+    const int index = frame.truth->convention.index_of(landmark);
+    if (index < 0 || frame.truth->joints[index].is_missing()) continue;
+    points.push_back(projection.to_camera(frame.truth->joints[index]));
+  }
+  return points;
+}
+
+std::optional<Point3> mean_of(const std::vector<Point3>& points) {
+  if (points.empty()) return std::nullopt;
+  Point3 sum = Point3::Zero();
+  for (const Point3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+void HandOptions::visit(OptionVisitor& visitor) {
+  visitor.choice("side", side, kSides);
+  visitor.integer("max_hands", max_hands, closed(1, 16));
+}
+
+HandFinder::HandFinder(const OptionTable& document) {
+  document.table("hand").read(hand_);
+  const OptionTable segmentation = document.table("segmentation");
+  method_ = segmentation.text_or("method", "mean_shift");
+  segmenter_ = create_segmenter(segmentation, hand_.max_hands);
+}
+
+HandFinder HandFinder::load(const std::filesystem::path& path) {
+  const OptionTable document = OptionTable::load(path);
+  HandFinder finder(document);
+  for (const std::string_view other : {"patch", "estimator", "refine"}) document.leave(other);
+  document.finish();
+  return finder;
+}
+
+Segmentation HandFinder::find(const Frame& frame, const std::optional<Point3>& start) const {
+  if (!hand_.is_left()) return find_right(frame, start);
+  Segmentation segmentation = find_right(mirrored(frame), mirrored(start));
+  for (HandRegion& region : segmentation.hands) region = mirrored(region, frame.camera.width);
+  return segmentation;
+}
+
+Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start) const {
+  return segmenter_->segment(frame, start);
+}
+
+HandRegion mirrored(const HandRegion& region, int width) {
+  HandRegion result = region;
+  result.box.x = width - region.box.right();
+  result.mask = mirrored(region.mask);
+  result.centre.x() = -region.centre.x();
+  return result;
+}
+
+std::optional<Point3> mirrored(const std::optional<Point3>& point) {
+  if (!point) return std::nullopt;
+  return Point3(-point->x(), point->y(), point->z());
+}
+
+std::optional<Point3> true_start(const Frame& frame) {
+  using enum Landmark;
+  static constexpr std::array kPalm = {palm};
+  static constexpr std::array kAroundPalm = {wrist, thumb_cmc, index_mcp, middle_mcp, ring_mcp, little_mcp};
+  if (!frame.truth) return std::nullopt;
+  for (const std::span<const Landmark> wanted :
+       {std::span<const Landmark>(kPalm), std::span<const Landmark>(kAroundPalm),
+        frame.truth->convention.landmarks}) {
+    if (const auto centre = mean_of(known_joints(frame, wanted))) return centre;
+  }
+  return std::nullopt;
+}
+
+}  // namespace knuckle

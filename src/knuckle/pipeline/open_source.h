@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "knuckle/data/frame_source.h"
+
+namespace knuckle {
+
+/// Opens any source, `KIND:PATH[?key=value&...]`: a data set on disk, or `synthetic:manifest.toml`. Throws an
+/// Error that lists the kinds where it is none of them.
+std::unique_ptr<FrameSource> open_source(std::string_view text);
+
+/// Names of all kinds of source.
+std::vector<std::string> source_kinds();
+
+/// Whether the text starts with a kind of source and a colon (and is not, say, a file's name).
+bool names_a_source(std::string_view text);
+
+}  // namespace knuckle
