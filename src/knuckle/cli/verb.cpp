@@ -4,6 +4,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/pipeline/run.h"
 
 namespace knuckle::cli {
 namespace {
@@ -23,6 +24,12 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
       ->check(CLI::Range(0, 4096))
       ->default_str("0");
   return verb;
+}
+
+void add_init_option(CLI::App& verb, std::string& init) {
+  verb.add_option("--init", init, "Where segmentation starts: nearest point, or the true palm")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kStartNames), std::end(kStartNames))))
+      ->capture_default_str();
 }
 
 void remember_command_line(int count, const char* const* arguments) {

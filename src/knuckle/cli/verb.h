@@ -23,8 +23,11 @@ void add_render(CLI::App& program);
 void add_segment(CLI::App& program);
 void add_train(CLI::App& program);
 
-/// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a folder
-/// gets "options.toml" in it. The command line comes first, as a comment.
+/// Adds --init nearest|truth: where segmentation starts.
+void add_init_option(CLI::App& verb, std::string& init);
+
+/// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a
+/// folder gets "options.toml" in it. The command line comes first, as a comment.
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml);
 
 /// The command line of this run, for `write_resolved_options`.

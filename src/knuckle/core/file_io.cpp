@@ -71,9 +71,13 @@ void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path&)>& write) {
   const TemporaryFile temporary{temporary_name(path)};
   write(temporary.path);
-  flush_to_disk(temporary.path, path);
+  publish_file(temporary.path, path);
+}
+
+void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  flush_to_disk(temporary, path);
   std::error_code fault;
-  std::filesystem::rename(temporary.path, path, fault);
+  std::filesystem::rename(temporary, path, fault);
   if (fault) fail("{}: cannot write: {}", path.string(), fault.message());
 }
 

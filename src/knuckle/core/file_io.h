@@ -22,6 +22,9 @@ std::vector<std::string> read_lines(const std::filesystem::path& path);
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path& temporary)>& write);
 
+/// Flushes a file that is whole to the disk and gives it its final name. An Error names `path`.
+void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
 /// Writes `text` as a file, atomically.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 

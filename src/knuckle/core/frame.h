@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -10,6 +11,12 @@
 #include "knuckle/core/pose.h"
 
 namespace knuckle {
+
+/// True where a pixel of a depth image holds a measurement: a finite depth above 0 (so not 0, NaN or
+/// infinity).
+inline bool is_measured(float depth_mm) {
+  return depth_mm > 0.0f && depth_mm <= std::numeric_limits<float>::max();
+}
 
 /// One depth image with all that is known about it.
 struct Frame {

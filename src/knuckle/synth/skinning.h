@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -9,20 +10,25 @@
 
 namespace knuckle {
 
+/// The weighted mean of a group's vertices.
+Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices);
+
 /// A body with its shape settled: one person. Joints and landmarks follow the morph.
 struct ShapedBody {
-  const Body* body = nullptr;                         ///< must outlive this
-  std::vector<Eigen::Vector3f> vertices;              ///< V, at rest [mm]
-  std::vector<Eigen::Vector3f> joints;                ///< B bone heads at rest [mm]
+  const Body* body = nullptr;                            ///< must outlive this
+  std::vector<Eigen::Vector3f> vertices;                 ///< V, at rest [mm]
+  std::vector<Eigen::Vector3f> joints;                   ///< B bone heads at rest [mm]
   std::array<Eigen::Vector3f, kSupersetSize> landmarks;  ///< at rest [mm]
 };
 
-/// v_template + sum of coefficient x direction; `coefficients` has one a shape direction.
+/// v_template + sum of coefficient x direction; `coefficients` has one a shape direction. Throws an Error
+/// where their number is wrong or one is not finite.
 ShapedBody shaped_body(const Body& body, std::span<const double> coefficients);
 
 /// How a body stands before a camera.
 struct BodyPose {
-  /// One a bone: its turn about its own head relative to its parent, in body axes at rest. Identity is the rest pose.
+  /// One a bone: its turn about its own head relative to its parent, in body axes at rest. Identity is the
+  /// rest pose.
   std::vector<Eigen::Quaternionf> rotations;
   Eigen::Isometry3f camera_from_body = Eigen::Isometry3f::Identity();  ///< lengths in mm
 };
@@ -33,7 +39,14 @@ struct PosedBody {
   std::array<Point3, kSupersetSize> landmarks;  ///< [mm]
 };
 
-/// Linear blend skinning.
+/// What each bone does to points of the body at rest: B matrices camera_from_rest. Throws an Error where the
+/// pose has another number of bones or a rotation that is no unit quaternion.
+std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const BodyPose& pose);
+
+/// Linear blend skinning; landmarks move with their bones. Throws as `bone_transforms` does.
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose);
+
+/// The same, of the first `vertex_count` vertices only: see Body::sections.
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count);
 
 }  // namespace knuckle

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "knuckle/cli/verb.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/file_io.h"
+#include "knuckle/eval/evaluation.h"
+#include "knuckle/eval/gallery.h"
+#include "knuckle/eval/report.h"
+#include "knuckle/eval/score_files.h"
+#include "knuckle/pipeline/open_source.h"
+
+namespace knuckle::cli {
+namespace {
+
+struct EvaluateArguments {
+  std::string truth;
+  std::vector<std::string> predictions;
+  std::string convention;
+  std::string camera;
+  std::filesystem::path out;
+  std::filesystem::path json;
+  GalleryOptions gallery;
+};
+
+/// The truth, and the frames to show where it comes from a source.
+struct OpenedTruth {
+  Truth truth;
+  std::unique_ptr<FrameSource> source;  ///< null where the truth is a file
+  PixelOrigin pixel_origin = PixelOrigin::centre;
+};
+
+std::optional<Convention> chosen_convention(const EvaluateArguments& arguments) {
+  if (arguments.convention.empty()) return std::nullopt;
+  return convention_from_name(arguments.convention);
+}
+
+OpenedTruth open_truth(const EvaluateArguments& arguments) {
+  if (names_a_source(arguments.truth)) {
+    auto source = open_source(arguments.truth);
+    const PixelOrigin origin = source->pixel_origin();
+    return {truth_from_source(*source, arguments.truth), std::move(source), origin};
+  }
+  if (arguments.camera.empty()) {
+    fail("{}: truth from a file needs its camera: --camera fx,fy,cx,cy", arguments.truth);
+  }
+  const Camera camera = camera_from_text(arguments.camera);
+  return {truth_from_file(arguments.truth, chosen_convention(arguments), camera), nullptr,
+          PixelOrigin::centre};
+}
+
+std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, PixelOrigin origin) {
+  std::vector<NamedPath> files;
+  for (const std::string& text : arguments.predictions) files.push_back(named_path_from_text(text));
+  return predictions_from_files(files, chosen_convention(arguments), origin);
+}
+
+void print_scores(const Evaluation& evaluation) {
+  fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9} {:>9}\n", "method", "frames", "missing", "mean mm",
+             "median mm", "mean px", "AUC 0-50");
+  for (const MethodScore& method : evaluation.methods) {
+    fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", method.name, method.frames,
+               method.missing, method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px,
+               method.auc_pck_0_50);
+  }
+}
+
+void run_evaluate(const EvaluateArguments& arguments) {
+  const OpenedTruth opened = open_truth(arguments);
+  const std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
+  const Evaluation evaluation = evaluate(opened.truth, predictions);
+  print_scores(evaluation);
+  if (!arguments.json.empty()) write_text_file(arguments.json, to_json(evaluation));
+  if (arguments.out.empty()) return;
+  Report report;
+  report.facts = {{"truth", arguments.truth}};
+  report.evaluation = evaluation;
+  report.gallery =
+      make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
+  fmt::print("report: {}\n", write_report(report, arguments.out).string());
+  write_resolved_options(arguments.out, "");
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& program) {
+  CLI::App& verb =
+      add_verb(program, "evaluate", "Score predicted poses against truth",
+               "knuckle evaluate --truth truth.txt --camera 588.03,-587.07,320,240 --convention nyu14 \\\n"
+               "      --predictions mine=poses.txt other=other.txt --out report");
+  auto arguments = std::make_shared<EvaluateArguments>();
+  verb.add_option("--truth", arguments->truth,
+                  "A source KIND:PATH, or a file of `u v d` lines (then with --camera)")
+      ->required();
+  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow")
+      ->required();
+  verb.add_option("--convention", arguments->convention, "Landmarks of files that do not name theirs");
+  verb.add_option("--camera", arguments->camera,
+                  "fx,fy,cx,cy [px] of a truth file; a negative fy: y points up");
+  verb.add_option("--out", arguments->out, "Folder for an HTML report with figures");
+  verb.add_option("--json", arguments->json, "File for the scores as JSON");
+  verb.add_option("--gallery", arguments->gallery.even_frames,
+                  "Frames that the report shows, spread over the sequence")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  verb.callback([arguments] { run_evaluate(*arguments); });
+}
+
+}  // namespace knuckle::cli

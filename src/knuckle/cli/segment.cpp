@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "knuckle/cli/verb.h"
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/resources.h"
+#include "knuckle/pipeline/open_source.h"
+#include "knuckle/pipeline/run.h"
+
+namespace knuckle::cli {
+namespace {
+
+struct SegmentArguments {
+  std::string source;
+  std::filesystem::path pipeline = resource_path("pipelines/default.toml");
+  std::filesystem::path out;
+  std::string init = "nearest";
+};
+
+void run_segment(const SegmentArguments& arguments) {
+  const auto source = open_source(arguments.source);
+  const HandFinder finder = HandFinder::load(arguments.pipeline);
+  const std::vector<FrameSegmentation> frames =
+      segment_all(*source, finder, start_from_name(arguments.init), arguments.source);
+  write_text_file(arguments.out, boxes_csv(frames));
+  write_resolved_options(arguments.out, read_text_file(arguments.pipeline));
+  const auto found = std::ranges::count_if(frames, &FrameSegmentation::found);
+  fmt::print("{} frames, hand found in {}: {}\n", frames.size(), found, arguments.out.string());
+}
+
+}  // namespace
+
+void add_segment(CLI::App& program) {
+  CLI::App& verb = add_verb(program, "segment", "Find the hand in every frame of a source",
+                            "knuckle segment --source synthetic:manifests/demo.toml --out boxes.csv");
+  auto arguments = std::make_shared<SegmentArguments>();
+  verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
+  verb.add_option("--pipeline", arguments->pipeline, "Pipeline file; its [hand] and [segmentation] count")
+      ->capture_default_str();
+  verb.add_option("--out", arguments->out, "CSV: frame,found,x,y,width,height,milliseconds")->required();
+  add_init_option(verb, arguments->init);
+  verb.callback([arguments] { run_segment(*arguments); });
+}
+
+}  // namespace knuckle::cli

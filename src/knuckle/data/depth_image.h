@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/image.h"
+
+namespace knuckle {
+
+/// Depth in millimetres from stored whole numbers; 0 stays 0, no measurement.
+Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm);
+
+/// Depth as whole multiples of `unit_mm`, rounded; what is no positive number becomes 0, no measurement.
+/// Throws an Error that starts with `where` where a depth exceeds what 16 bits hold.
+Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where);
+
+/// Reads a PNG of one channel with 8 or 16 bits.
+Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path);
+
+/// 1 where a pixel is not 0.
+Image<std::uint8_t> mask_from_pixels(Image<std::uint8_t> pixels);
+
+/// Throws an Error that names the file where its image is not `width` x `height`.
+template <class T>
+void require_size(const Image<T>& image, int width, int height, const std::filesystem::path& path) {
+  if (image.width() == width && image.height() == height) return;
+  fail("{}: is {}x{} pixels, expected {}x{}", path.string(), image.width(), image.height(), width, height);
+}
+
+}  // namespace knuckle

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/landmarks.h"
+#include "knuckle/core/options.h"
+
+namespace knuckle {
+
+/// The `[camera]` table of a dataset.toml, in the pixel origin of the set.
+struct CameraOptions {
+  std::string model = "projective";  ///< projective | orthographic
+  int width = 0;                     ///< [1, 65536] [px]
+  int height = 0;                    ///< [1, 65536] [px]
+  double fx = 0;                     ///< [px], or px a mm for an orthographic camera; not 0
+  double fy = 0;                     ///< the same down the image
+  double cx = 0;                     ///< [px]
+  double cy = 0;                     ///< [px]
+  std::vector<double> distortion;    ///< 0 to 8 coefficients in OpenCV's order
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// The top of a dataset.toml.
+struct FolderOptions {
+  std::string convention;               ///< of joints.txt; empty where there is none
+  double depth_unit_mm = 1.0;           ///< millimetres a count of depth, (0, 1000]
+  std::string pixel_origin = "centre";  ///< centre | corner
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// What a dataset.toml says.
+struct FolderDescription {
+  std::optional<Convention> convention;  ///< of joints.txt
+  double depth_unit_mm = 1.0;
+  PixelOrigin pixel_origin = PixelOrigin::centre;  ///< of the files
+  Camera camera;                                   ///< in pixel-centre coordinates, whatever the files use
+};
+
+/// Reads a dataset.toml strictly. Throws an Error that names the file and the key at fault.
+FolderDescription read_folder_description(const std::filesystem::path& path);
+
+/// The text of a dataset.toml.
+std::string folder_description_as_toml(const FolderDescription& description);
+
+}  // namespace knuckle

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/h5_source.h"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/ranges.h>
+
+#include "knuckle/data/depth_image.h"
+#include "knuckle/data/h5_format.h"
+#include "knuckle/data/truth.h"
+
+namespace knuckle {
+namespace {
+
+Hdf5File open_whole(const std::filesystem::path& path) {
+  Hdf5File file = Hdf5File::open(path);
+  file.require_format(kH5Format, kH5Version);
+  if (file.number_attribute("complete") != 1)
+    fail("{}: is unfinished; let the run that writes it end", path.string());
+  return file;
+}
+
+double depth_unit_of(const Hdf5File& file) {
+  const double unit_mm = file.number_attribute("depth_unit_mm");
+  if (!(unit_mm > 0 && std::isfinite(unit_mm)))
+    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0", file.path().string(), unit_mm);
+  return unit_mm;
+}
+
+}  // namespace
+
+H5Source::H5Source(const std::filesystem::path& path)
+    : file_(open_whole(path)),
+      camera_(read_camera(file_)),
+      projection_(camera_),
+      depth_unit_mm_(depth_unit_of(file_)),
+      first_index_(static_cast<std::int64_t>(file_.number_attribute("first_index"))),
+      has_infrared_(file_.has(kH5Infrared)),
+      has_mask_(file_.has(kH5Mask)),
+      has_joints_(file_.has(kH5Joints)) {
+  const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
+  const std::uint64_t count = shape.empty() ? 0 : shape[0];
+  if (count == 0) fail("{}: holds no frame", path.string());
+  const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(camera_.height),
+                                          static_cast<std::uint64_t>(camera_.width)};
+  require_shape(kH5Depth, images);
+  if (has_infrared_) require_shape(kH5Infrared, images);
+  if (has_mask_) require_shape(kH5Mask, images);
+  if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
+  size_ = static_cast<std::int64_t>(count);
+}
+
+void H5Source::require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const {
+  const std::vector<std::uint64_t> shape = file_.shape(array);
+  if (shape == expected) return;
+  fail("{}: {}: has the shape {}, expected {}", file_.path().string(), array, fmt::join(shape, " x "),
+       fmt::join(expected, " x "));
+}
+
+std::optional<Convention> H5Source::convention() const {
+  if (!has_joints_) return std::nullopt;
+  return superset_convention();
+}
+
+std::optional<HandPose> H5Source::read_truth(std::uint64_t row) const {
+  if (!has_joints_) return std::nullopt;
+  std::vector<float> joints_mm(std::size_t{kSupersetSize} * 3);
+  file_.read_rows(kH5Joints, row, 1, joints_mm.data());
+  const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
+  return known_or_nothing(pose_from_camera(superset_convention(), xyz, projection_));
+}
+
+Frame H5Source::read(std::int64_t index) const {
+  if (index < 0 || index >= size_)
+    fail("{}: has {} frames, asked for frame {}", file_.path().string(), size_, index);
+  const auto row = static_cast<std::uint64_t>(index);
+  Frame frame;
+  frame.name = fmt::format("{:08}", first_index_ + index);
+  frame.camera = camera_;
+  Image<std::uint16_t> counts(camera_.width, camera_.height);
+  file_.read_rows(kH5Depth, row, 1, counts.data());
+  frame.depth_mm = depth_from_counts(counts, depth_unit_mm_);
+  if (has_infrared_) {
+    frame.infrared = Image<std::uint16_t>(camera_.width, camera_.height);
+    file_.read_rows(kH5Infrared, row, 1, frame.infrared.data());
+  }
+  if (has_mask_) {
+    frame.mask = Image<std::uint8_t>(camera_.width, camera_.height);
+    file_.read_rows(kH5Mask, row, 1, frame.mask.data());
+    frame.mask = mask_from_pixels(std::move(frame.mask));
+  }
+  frame.truth = read_truth(row);
+  return frame;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/hands17_source.h"
+
+#include "knuckle/core/image_io.h"
+#include "knuckle/data/depth_image.h"
+#include "knuckle/data/file_listing.h"
+#include "knuckle/data/truth.h"
+
+namespace knuckle {
+namespace {
+
+constexpr Camera kCamera{
+    CameraModel::projective, 640, 480, 475.065948, 475.065857, 315.944855, 245.287079, {}};
+constexpr std::size_t kValuesAFrame = 63;
+
+}  // namespace
+
+Hands17Source::Hands17Source(const std::filesystem::path& folder, const Hands17Options& options)
+    : images_(subfolder_or_self(folder, "images"),
+              find_annotation(folder, options.annotation, "Training_Annotation.txt")),
+      projection_(kCamera) {}
+
+std::optional<Convention> Hands17Source::convention() const {
+  if (!images_.has_labels()) return std::nullopt;
+  return convention_from_name("hands21");
+}
+
+Frame Hands17Source::read(std::int64_t index) const {
+  const LabelledImages::Entry entry = images_.read(index, kValuesAFrame);
+  Frame frame;
+  frame.name = without_extension(entry.name);
+  frame.camera = kCamera;
+  const Image<std::uint16_t> counts = read_png16(entry.path);
+  require_size(counts, kCamera.width, kCamera.height, entry.path);
+  frame.depth_mm = depth_from_counts(counts, 1.0);
+  if (images_.has_labels())
+    frame.truth =
+        known_or_nothing(pose_from_camera(convention_from_name("hands21"), entry.numbers, projection_));
+  return frame;
+}
+
+}  // namespace knuckle

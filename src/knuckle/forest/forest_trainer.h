@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "knuckle/forest/regression_forest.h"
+#include "knuckle/forest/split_options.h"
+#include "knuckle/forest/training_samples.h"
+
+namespace knuckle {
+
+/// Training of a regression forest (Riegler et al. 2015, section 5.2: 8 trees of depth 25).
+struct RegressionForestOptions {
+  int trees = 8;  ///< [1, 1000]
+  TreeOptions tree;
+  int scoring_dimensions =
+      15;              ///< splits are scored in this many principal components of the targets, [1, 95]
+  int leaf_bits = 16;  ///< bits a leaf's value is kept with: 8, 16 or 32
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// What training does beside the forest itself.
+struct TrainingRun {
+  /// Multiply the targets in the scores (not in the leaves), one a target; none: all 1.
+  std::vector<double> target_weights = {};
+  /// Where finished trees are kept, so that a stopped training goes on with the next tree; empty: nowhere.
+  /// The file is removed at the end. One of other options or samples is refused.
+  std::filesystem::path checkpoint = {};
+  /// Called after every tree with the number there are; may be empty.
+  std::function<void(int trees)> tree_done = {};
+};
+
+/// Trains a forest. A leaf holds the mean of the targets of all samples of the tree that reach it. The result
+/// depends neither on the number of threads nor on the order of the samples. Throws an Error where no sample
+/// is set.
+RegressionForest train_regression_forest(const TrainingSamples& samples,
+                                         const RegressionForestOptions& options, const TrainingRun& run = {});
+
+}  // namespace knuckle

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/forest/regression_forest.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+
+namespace {
+
+using Node = RegressionForest::Node;
+
+/// Every path must end in a leaf that exists: a child lies behind its parent and inside the parent's tree.
+void check_parts(const RegressionForest::Parts& parts, const std::string& origin) {
+  if (parts.feature_count < 1) fail("{}: a forest on {} features", origin, parts.feature_count);
+  if (!(parts.quantizer.step > 0.0F && std::isfinite(parts.quantizer.step))) {
+    fail("{}: the step of the features is {}, expected a number above 0", origin, parts.quantizer.step);
+  }
+  if (parts.roots.empty() || parts.roots[0] != 0) fail("{}: the forest has no first tree", origin);
+  if (parts.leaves.dimensions() < 1) fail("{}: the forest predicts nothing", origin);
+  for (std::size_t tree = 0; tree < parts.roots.size(); ++tree) {
+    const std::size_t begin = parts.roots[tree];
+    const std::size_t end = tree + 1 < parts.roots.size() ? parts.roots[tree + 1] : parts.nodes.size();
+    if (begin >= end || end > parts.nodes.size()) fail("{}: tree {} has no nodes", origin, tree);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Node& node = parts.nodes[i];
+      const std::int64_t next = node.next;
+      const bool is_sound =
+          next < 0 ? ~next < static_cast<std::int64_t>(parts.leaves.leaf_count())
+                   : next > static_cast<std::int64_t>(i) && next + 1 < static_cast<std::int64_t>(end);
+      if (!is_sound) fail("{}: node {} of tree {} leads nowhere", origin, i - begin, tree);
+      if (node.first >= parts.feature_count || node.second >= parts.feature_count) {
+        fail("{}: node {} of tree {} reads a feature beyond the {} there are", origin, i - begin, tree,
+             parts.feature_count);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+RegressionForest::RegressionForest(Parts parts, const std::string& origin) : parts_(std::move(parts)) {
+  check_parts(parts_, origin);
+}
+
+std::vector<std::uint32_t> RegressionForest::leaves_of(std::span<const float> features) const {
+  if (std::ssize(features) != parts_.feature_count) {
+    fail("regression forest: {} features, expected {}", features.size(), parts_.feature_count);
+  }
+  const Node* const nodes = parts_.nodes.data();
+  const FeatureQuantizer quantized = parts_.quantizer;
+  std::vector<std::uint32_t> leaves;
+  leaves.reserve(parts_.roots.size());
+  for (const std::uint32_t root : parts_.roots) {
+    const Node* node = nodes + root;
+    while (node->next >= 0) {
+      const int difference = quantized(features[node->first]) - quantized(features[node->second]);
+      node = nodes + node->next + (difference >= node->threshold ? 1 : 0);
+    }
+    leaves.push_back(static_cast<std::uint32_t>(~node->next));
+  }
+  return leaves;
+}
+
+RegressionForest::Prediction RegressionForest::predict(std::span<const float> features) const {
+  const auto targets = static_cast<std::size_t>(target_count());
+  std::vector<double> sum(targets, 0.0);
+  std::vector<double> squares(targets, 0.0);
+  std::vector<float> row(targets);
+  for (const std::uint32_t leaf : leaves_of(features)) {
+    parts_.leaves.decode(leaf, row);
+    for (std::size_t d = 0; d < targets; ++d) {
+      sum[d] += row[d];
+      squares[d] += double{row[d]} * row[d];
+    }
+  }
+  const double trees = tree_count();
+  Prediction prediction{std::vector<float>(targets), std::vector<float>(targets)};
+  for (std::size_t d = 0; d < targets; ++d) {
+    const double mean = sum[d] / trees;
+    prediction.mean[d] = static_cast<float>(mean);
+    prediction.deviation[d] = static_cast<float>(std::sqrt(std::max(0.0, squares[d] / trees - mean * mean)));
+  }
+  return prediction;
+}
+
+RegressionForest RegressionForest::with_leaf_bits(int bits) const {
+  Parts parts = parts_;
+  parts.leaves = LeafTable(target_count(), parts_.leaves.decoded(), bits);
+  return {std::move(parts), "regression forest"};
+}
+
+}  // namespace knuckle

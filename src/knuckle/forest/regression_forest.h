@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "knuckle/core/hdf5_file.h"
+#include "knuckle/forest/leaf_table.h"
+#include "knuckle/forest/training_samples.h"
+
+namespace knuckle {
+
+/// Regression trees on pixel differences (Riegler et al. 2015, equation 3), in flat arrays.
+class RegressionForest {
+ public:
+  /// A node, 12 bytes. A sample goes to node `next` where its first entry minus its second (in quantised
+  /// steps) is below the threshold, else to the node behind it.
+  struct Node {
+    std::int32_t next =
+        -1;  ///< index of the left child; below 0: a leaf, and ~next is its row in the table of leaves
+    std::uint16_t first = 0;
+    std::uint16_t second = 0;
+    std::int16_t threshold = 0;
+  };
+
+  /// All trees one after another, each breadth-first; leaves are numbered in the order of their nodes.
+  struct Parts {
+    int feature_count = 0;
+    FeatureQuantizer quantizer;
+    std::vector<std::uint32_t> roots;  ///< index of each tree's root; ascending, the first is 0
+    std::vector<Node> nodes;
+    LeafTable leaves;
+  };
+
+  /// Throws an Error that starts with `origin` where the parts do not fit together.
+  RegressionForest(Parts parts, const std::string& origin);
+
+  int feature_count() const { return parts_.feature_count; }
+  int target_count() const { return parts_.leaves.dimensions(); }
+  int tree_count() const { return static_cast<int>(parts_.roots.size()); }
+  const Parts& parts() const { return parts_; }
+
+  /// The mean of the trees' leaves, and how far the trees disagree.
+  struct Prediction {
+    std::vector<float> mean;       ///< one a target
+    std::vector<float> deviation;  ///< one a target: the standard deviation over the trees
+  };
+  /// `features` has feature_count() entries (an Error otherwise). Safe to call from many threads.
+  Prediction predict(std::span<const float> features) const;
+
+  /// The row of the table of leaves that `features` reaches in each tree.
+  std::vector<std::uint32_t> leaves_of(std::span<const float> features) const;
+
+  /// A forest of the same structure whose leaves are kept with 8, 16 or 32 bits a value.
+  RegressionForest with_leaf_bits(int bits) const;
+
+ private:
+  Parts parts_;
+};
+
+/// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
+/// Error that names the file where something is missing, out of range or not finite.
+void write_forest(Hdf5File& file, const RegressionForest& forest);
+RegressionForest read_forest(const Hdf5File& file);
+
+}  // namespace knuckle

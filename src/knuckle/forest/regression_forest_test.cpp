@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/forest/regression_forest.h"
+
+#include <cmath>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/forest/forest_testing.h"
+#include "knuckle/forest/forest_trainer.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::RandomRows;
+using testing::TemporaryFolder;
+
+RegressionForest small_forest(int leaf_bits = 16) {
+  RegressionForestOptions options;
+  options.trees = 4;
+  options.tree.splits_per_node = 50;
+  options.tree.min_leaf_samples = 1;
+  options.leaf_bits = leaf_bits;
+  return train_regression_forest(RandomRows(300, 30, 5).samples(), options);
+}
+
+/// The walk as the paper states it, recursive.
+std::uint32_t leaf_of(const RegressionForest& forest, std::int32_t index,
+                      const std::vector<float>& features) {
+  const RegressionForest::Node& node = forest.parts().nodes[static_cast<std::size_t>(index)];
+  if (node.next < 0) return static_cast<std::uint32_t>(~node.next);
+  const FeatureQuantizer& quantized = forest.parts().quantizer;
+  const int difference = quantized(features[node.first]) - quantized(features[node.second]);
+  return leaf_of(forest, difference >= node.threshold ? node.next + 1 : node.next, features);
+}
+
+TEST(RegressionForest, FlatWalkIsTheRecursiveWalk) {
+  const RegressionForest forest = small_forest();
+  for (const std::vector<float>& features : RandomRows(200, 30, 1, 99).features) {
+    const std::vector<std::uint32_t> leaves = forest.leaves_of(features);
+    std::vector<double> sum(5, 0.0);
+    for (std::size_t tree = 0; tree < 4; ++tree) {
+      const std::uint32_t leaf =
+          leaf_of(forest, static_cast<std::int32_t>(forest.parts().roots[tree]), features);
+      ASSERT_EQ(leaves[tree], leaf);
+      std::vector<float> row(5);
+      forest.parts().leaves.decode(leaf, row);
+      for (std::size_t d = 0; d < 5; ++d) sum[d] += row[d];
+    }
+    const RegressionForest::Prediction prediction = forest.predict(features);
+    for (std::size_t d = 0; d < 5; ++d) ASSERT_EQ(prediction.mean[d], static_cast<float>(sum[d] / 4.0));
+  }
+}
+
+TEST(RegressionForest, DeviationIsThatOfTheTrees) {
+  RegressionForest::Parts parts;
+  parts.feature_count = 1;
+  parts.roots = {0, 1};
+  parts.nodes = {{~0, 0, 0, 0}, {~1, 0, 0, 0}};
+  parts.leaves = LeafTable(1, std::vector<float>{1.0F, 4.0F}, 32);
+  const RegressionForest forest(parts, "test");
+  const std::vector<float> features{0.0F};
+  EXPECT_FLOAT_EQ(forest.predict(features).mean[0], 2.5F);
+  EXPECT_FLOAT_EQ(forest.predict(features).deviation[0], 1.5F);
+  const std::vector<float> two{0.0F, 0.0F};
+  EXPECT_THAT(error_of([&] { forest.predict(two); }), HasSubstr("2 features, expected 1"));
+}
+
+TEST(RegressionForest, SavedAndLoadedAnswersTheSame) {
+  const TemporaryFolder folder;
+  for (const int bits : {8, 16, 32}) {
+    const RegressionForest forest = small_forest(bits);
+    Hdf5File file = Hdf5File::create(folder / "forest.h5");
+    write_forest(file, forest);
+    file.close();
+    const RegressionForest loaded = read_forest(Hdf5File::open(folder / "forest.h5"));
+    EXPECT_EQ(loaded.parts().leaves.bits(), bits);
+    for (const std::vector<float>& features : RandomRows(100, 30, 1, 99).features) {
+      ASSERT_EQ(loaded.leaves_of(features), forest.leaves_of(features));
+      ASSERT_EQ(loaded.predict(features).mean, forest.predict(features).mean);
+    }
+  }
+}
+
+TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
+  const RegressionForest::Parts good = small_forest().parts();
+  const auto fault_of = [&](const std::function<void(RegressionForest::Parts&)>& damage) {
+    RegressionForest::Parts parts = good;
+    damage(parts);
+    return error_of([&] { RegressionForest(parts, "x.h5"); });
+  };
+  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].next = 0; }),
+              AllOf(HasSubstr("x.h5"), HasSubstr("leads nowhere")));
+  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].next = static_cast<int>(p.roots[1]); }),
+              HasSubstr("leads nowhere"));
+  EXPECT_THAT(fault_of([](auto& p) { p.nodes[1].next = ~1000000; }), HasSubstr("leads nowhere"));
+  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].first = 30; }), HasSubstr("beyond the 30"));
+  EXPECT_THAT(fault_of([](auto& p) { p.roots[1] = p.roots[2]; }), HasSubstr("no nodes"));
+  EXPECT_THAT(fault_of([](auto& p) { p.quantizer.step = NAN; }), HasSubstr("step"));
+  EXPECT_THAT(fault_of([](auto& p) { p.roots.clear(); }), HasSubstr("no first tree"));
+}
+
+TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "bad.h5";
+  const RegressionForest forest = small_forest();
+  Hdf5File file = Hdf5File::create(path);
+  write_forest(file, forest);
+  file.set_attribute("leaf_bits", 12.0);
+  file.close();
+  EXPECT_THAT(error_of([&] { read_forest(Hdf5File::open(path)); }),
+              AllOf(HasSubstr("bad.h5"), HasSubstr("leaf_bits")));
+
+  Hdf5File other = Hdf5File::create(path);
+  other.set_attribute("feature_count", 3.0);
+  other.set_attribute("feature_step", 0.1);
+  other.close();
+  EXPECT_THAT(error_of([&] { read_forest(Hdf5File::open(path)); }),
+              AllOf(HasSubstr("bad.h5"), HasSubstr("tree_root")));
+}
+
+}  // namespace
+}  // namespace knuckle

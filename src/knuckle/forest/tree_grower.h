@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/core/random.h"
+#include "knuckle/forest/split_options.h"
+#include "knuckle/forest/split_search.h"
+
+namespace knuckle {
+
+/// A node of a grown tree and the samples that reach it: entries [begin, end) of GrownTree::samples.
+template <class Feature>
+struct GrownNode {
+  Feature feature{};
+  std::int16_t threshold = 0;
+  std::int32_t left = -1;  ///< index of the left child, the right one follows; -1: a leaf
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+};
+
+/// The structure of a tree: nodes breadth-first, node 0 is the root.
+template <class Feature>
+struct GrownTree {
+  std::vector<GrownNode<Feature>> nodes;
+  std::vector<std::uint32_t> samples;
+
+  std::span<const std::uint32_t> samples_of(const GrownNode<Feature>& node) const {
+    return std::span(samples).subspan(node.begin, node.end - node.begin);
+  }
+};
+
+/// Grows one tree, level by level, on all threads: nodes with many samples one after another with their
+/// candidates in parallel, the others in parallel. Each node draws from a stream of its own, named by its
+/// number, so the tree is the same for any number of threads.
+template <SplitFeatures Features, SplitStatistics Statistics>
+class TreeGrower {
+ public:
+  using Feature = typename Features::Feature;
+  using Tree = GrownTree<Feature>;
+
+  TreeGrower(const Features& features, const Statistics& statistics, const TreeOptions& options)
+      : features_(features), statistics_(statistics), options_(options) {}
+
+  /// `samples` in the order to work in; `seed` is the tree's own. Advances `progress` by one a level.
+  Tree grow(std::span<const std::uint32_t> samples, std::uint64_t seed, Progress& progress);
+
+ private:
+  using Split = NodeSplit<Feature>;
+  using Search = SplitSearch<Features, Statistics>;
+
+  /// Nodes with more scored samples than this share their candidates among the threads.
+  static constexpr std::size_t kLargeNode = 1024;
+  /// Small nodes are handed to a thread in groups of about this many samples.
+  static constexpr std::size_t kSamplesAGroup = 1024;
+  /// Numbers of the streams a tree draws from: 0 for its bag, then one a node.
+  static constexpr std::uint64_t kBagStream = 0;
+
+  std::vector<std::uint32_t> bag(std::span<const std::uint32_t> samples, std::uint64_t seed) const;
+  std::vector<Split> split_level(const Tree& tree, std::size_t first_node, std::uint64_t seed);
+  Split split_node(const Tree& tree, std::size_t node, std::uint64_t seed, Search& search,
+                   typename Search::Loop loop) const;
+  void add_children(Tree& tree, std::size_t first_node, const std::vector<Split>& splits) const;
+  std::uint32_t partition(Tree& tree, std::size_t node) const;
+  std::size_t scored_samples(const Tree& tree, std::size_t node) const;
+
+  const Features& features_;
+  const Statistics& statistics_;
+  TreeOptions options_;
+  Search large_search_;
+};
+
+/// `count` of `samples`, drawn without replacement, in their order (selection sampling, Knuth vol. 2, 3.4.2
+/// S).
+inline std::vector<std::uint32_t> random_subset(std::span<const std::uint32_t> samples, std::size_t count,
+                                                Random& random) {
+  std::vector<std::uint32_t> subset;
+  subset.reserve(count);
+  for (std::size_t i = 0; i < samples.size() && subset.size() < count; ++i) {
+    const auto left = static_cast<double>(samples.size() - i);
+    if (left * random.uniform() < static_cast<double>(count - subset.size())) subset.push_back(samples[i]);
+  }
+  return subset;
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+auto TreeGrower<Features, Statistics>::grow(std::span<const std::uint32_t> samples, std::uint64_t seed,
+                                            Progress& progress) -> Tree {
+  Tree tree;
+  tree.samples = bag(samples, seed);
+  tree.nodes.push_back({.end = static_cast<std::uint32_t>(tree.samples.size())});
+  std::size_t first_node = 0;
+  for (int depth = 0; depth < options_.max_depth; ++depth) {
+    const std::size_t level_end = tree.nodes.size();
+    if (first_node < level_end) add_children(tree, first_node, split_level(tree, first_node, seed));
+    first_node = level_end;
+    progress.advance();
+  }
+  return tree;
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+std::vector<std::uint32_t> TreeGrower<Features, Statistics>::bag(std::span<const std::uint32_t> samples,
+                                                                 std::uint64_t seed) const {
+  const double share = options_.bagging_fraction * static_cast<double>(samples.size());
+  const auto count = std::max(std::size_t{1}, static_cast<std::size_t>(share + 0.5));
+  if (count >= samples.size()) return {samples.begin(), samples.end()};
+  Random random(seed, kBagStream);
+  return random_subset(samples, count, random);
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+std::size_t TreeGrower<Features, Statistics>::scored_samples(const Tree& tree, std::size_t node) const {
+  return std::min(tree.samples_of(tree.nodes[node]).size(),
+                  static_cast<std::size_t>(options_.samples_per_node));
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+auto TreeGrower<Features, Statistics>::split_level(const Tree& tree, std::size_t first_node,
+                                                   std::uint64_t seed) -> std::vector<Split> {
+  std::vector<Split> splits(tree.nodes.size() - first_node);
+  std::vector<std::pair<std::size_t, std::size_t>> groups;  // ranges of small nodes
+  std::size_t group_samples = kSamplesAGroup;
+  for (std::size_t node = first_node; node < tree.nodes.size(); ++node) {
+    const std::size_t samples = scored_samples(tree, node);
+    if (samples > kLargeNode) {
+      splits[node - first_node] = split_node(tree, node, seed, large_search_, parallel_for);
+      group_samples = kSamplesAGroup;  // a group holds neighbours only
+      continue;
+    }
+    if (group_samples >= kSamplesAGroup) {
+      groups.emplace_back(node, node);
+      group_samples = 0;
+    }
+    groups.back().second = node + 1;
+    group_samples += samples;
+  }
+  parallel_for(std::ssize(groups), [&](std::int64_t group) {
+    Search search;
+    const auto [first, end] = groups[static_cast<std::size_t>(group)];
+    for (std::size_t node = first; node < end; ++node) {
+      splits[node - first_node] = split_node(tree, node, seed, search, serial_for);
+    }
+  });
+  return splits;
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+auto TreeGrower<Features, Statistics>::split_node(const Tree& tree, std::size_t node, std::uint64_t seed,
+                                                  Search& search, typename Search::Loop loop) const -> Split {
+  const std::span<const std::uint32_t> samples = tree.samples_of(tree.nodes[node]);
+  if (samples.size() < 2 * static_cast<std::size_t>(options_.min_leaf_samples)) return {};
+  Random random(seed, kBagStream + 1 + node);
+  const std::size_t scored = scored_samples(tree, node);
+  if (scored == samples.size()) {
+    return search.best_split(features_, statistics_, samples, options_, random, loop);
+  }
+  return search.best_split(features_, statistics_, random_subset(samples, scored, random), options_, random,
+                           loop);
+}
+
+template <SplitFeatures Features, SplitStatistics Statistics>
+void TreeGrower<Features, Statistics>::add_children(Tree& tree, std::size_t first_node,
+                                                    const std::vector<Split>& splits) const {
+  std::vector<std::uint32_t> middle(splits.size());
+  parallel_for(std::ssize(splits), [&](std::int64_t i) {
+    const Split& split = splits[static_cast<std::size_t>(i)];
+    if (split.gain <= 0.0F) return;
+    GrownNode<Feature>& node = tree.nodes[first_node + static_cast<std::size_t>(i)];
+    node.feature = split.feature;
+    node.threshold = split.threshold;
+    middle[static_cast<std::size_t>(i)] = partition(tree, first_node + static_cast<std::size_t>(i));
+  });
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    if (splits[i].gain <= 0.0F) continue;
+    const auto left = static_cast<std::int32_t>(tree.nodes.size());
+    GrownNode<Feature>& node = tree.nodes[first_node + i];
+    node.left = left;
+    const GrownNode<Feature> left_child{.begin = node.begin, .end = middle[i]};
+    const GrownNode<Feature> right_child{.begin = middle[i], .end = node.end};
+    tree.nodes.push_back(left_child);
+    tree.nodes.push_back(right_child);
+  }
+}
+
+/// Moves the node's samples so that those that go left come first, both sides in their order. Returns where
+/// right starts.
+template <SplitFeatures Features, SplitStatistics Statistics>
+std::uint32_t TreeGrower<Features, Statistics>::partition(Tree& tree, std::size_t node) const {
+  const GrownNode<Feature>& split = tree.nodes[node];
+  const auto begin = tree.samples.begin() + split.begin;
+  const auto right = std::stable_partition(
+      begin, tree.samples.begin() + split.end,
+      [&](std::uint32_t sample) { return features_.value(sample, split.feature) < split.threshold; });
+  return split.begin + static_cast<std::uint32_t>(right - begin);
+}
+
+}  // namespace knuckle

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/hand_region.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+namespace {
+
+constexpr int kMostHands = 16;
+
+Box box_around(const std::vector<std::int32_t>& pixels, int width) {
+  int left = pixels.front() % width;
+  int right = left;
+  int top = pixels.front() / width;
+  int bottom = top;
+  for (const std::int32_t pixel : pixels) {
+    left = std::min(left, pixel % width);
+    right = std::max(right, pixel % width);
+    top = std::min(top, pixel / width);
+    bottom = std::max(bottom, pixel / width);
+  }
+  return Box{left, top, right - left + 1, bottom - top + 1};
+}
+
+}  // namespace
+
+HandRegion region_of_pixels(const std::vector<std::int32_t>& pixels, int width) {
+  assert(!pixels.empty());
+  HandRegion region;
+  region.box = box_around(pixels, width);
+  region.mask = Image<std::uint8_t>(region.box.width, region.box.height);
+  for (const std::int32_t pixel : pixels) {
+    region.mask(pixel % width - region.box.x, pixel / width - region.box.y) = 1;
+  }
+  return region;
+}
+
+HandRegion mirrored(HandRegion region, int width) {
+  region.box.x = width - region.box.right();
+  region.mask = mirrored(region.mask);
+  region.centre.x() = -region.centre.x();
+  return region;
+}
+
+double pixel_area_mm2(const Camera& camera, double depth_mm) {
+  const double area_at_unit_depth = 1.0 / std::abs(camera.fx * camera.fy);
+  return camera.model == CameraModel::orthographic ? area_at_unit_depth
+                                                   : area_at_unit_depth * depth_mm * depth_mm;
+}
+
+double area_mm2(const std::vector<std::int32_t>& pixels, const Frame& frame) {
+  double area = 0.0;
+  for (const std::int32_t pixel : pixels) area += pixel_area_mm2(frame.camera, frame.depth_mm.data()[pixel]);
+  return area;
+}
+
+void check_max_hands(int max_hands) {
+  if (max_hands < 1 || max_hands > kMostHands)
+    fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);
+}
+
+void check_start(const Frame& frame, const std::optional<Point3>& start) {
+  if (start && !start->allFinite()) {
+    fail("frame {}: the start of the segmentation must be finite, not ({}, {}, {})", frame.name, start->x(),
+         start->y(), start->z());
+  }
+}
+
+void check_size(const Frame& frame) {
+  const Image<float>& depth = frame.depth_mm;
+  if (depth.empty()) return;
+  if (depth.width() != frame.camera.width || depth.height() != frame.camera.height) {
+    fail("frame {}: the depth image is {} x {} pixels, its camera {} x {}", frame.name, depth.width(),
+         depth.height(), frame.camera.width, frame.camera.height);
+  }
+}
+
+}  // namespace knuckle

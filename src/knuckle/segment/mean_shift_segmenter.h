@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "knuckle/segment/mean_shift.h"
+#include "knuckle/segment/ray_cache.h"
+#include "knuckle/segment/segmenter.h"
+
+namespace knuckle {
+
+/// Mean-shift hand segmentation (Riegler et al. 2015, eq. 2): the hand is what lies within the kernel's reach
+/// of the fixed point found from the start.
+struct MeanShiftSegmenterOptions {
+  MeanShiftOptions mean_shift;
+  double kernel_cutoff = 1e-5;  ///< A point is hand where exp(-|x - centre| / h) exceeds this, (0, 1): 155 mm
+  double min_area_mm2 =
+      1500.0;  ///< Smaller regions are no hands, [0, 1e6] [mm^2]; a fist seen end-on has 3000
+  double separation_mm =
+      50.0;                 ///< Points that near to a region found belong to no other hand, [0, 1000] [mm]
+  int max_candidates = 20;  ///< Nearest places tried before giving up, [1, 1000]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// Starts at the given point, or at the nearest pixel after a 5x5 median (nearest_pixel.h). A region whose
+/// area (of its pixels, each taken parallel to the image) is below `min_area_mm2` is no hand: a speckle
+/// nearer than the hand. Where no start was given, such a region is taken out and the search goes on at the
+/// nearest pixel of the rest. For further hands the regions found are taken out with all points within
+/// `separation_mm` of their ball.
+///
+/// Score: the kernel-weighted area over that of an unbounded plane through the centre, facing the camera
+/// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse
+/// measurements.
+class MeanShiftSegmenter final : public Segmenter {
+ public:
+  /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
+  explicit MeanShiftSegmenter(const MeanShiftSegmenterOptions& options, int max_hands = 1);
+
+  /// Throws an Error where the start is not finite, or the image has not the size of its camera.
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const override;
+
+ private:
+  /// What mean shift found from one start.
+  struct Candidate {
+    Point3 centre;
+    std::optional<HandRegion> region;  ///< nothing where it is no hand
+    std::string reason;                ///< then why
+  };
+
+  double reach_mm() const;
+  Candidate candidate_at(const Frame& frame, const Image<float>& depth_mm, const RayTable& rays,
+                         const Point3& start) const;
+
+  MeanShiftSegmenterOptions options_;
+  int max_hands_;
+  mutable RayCache ray_cache_;
+};
+
+}  // namespace knuckle

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "knuckle/camera/projection.h"
+
+namespace knuckle {
+
+/// Keeps the ray table of the last camera asked for: the frames of a recording share one, and undistorting
+/// all its pixels costs more than segmenting a frame. Safe to call from many threads; a table lives as long
+/// as its users.
+class RayCache {
+ public:
+  /// Throws an Error where the camera's values are impossible.
+  std::shared_ptr<const RayTable> rays_of(const Camera& camera);
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const RayTable> last_;
+};
+
+}  // namespace knuckle

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/threshold_segmenter.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string_view>
+
+#include <opencv2/imgproc.hpp>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/image_cv.h"
+#include "knuckle/segment/hand_region.h"
+#include "knuckle/segment/nearest_pixel.h"
+
+namespace knuckle {
+namespace {
+
+constexpr int kMostCandidates = 20;  // speckles left out before giving up
+
+using PixelList = std::vector<std::int32_t>;
+
+/// The measured pixels with a depth in [near_mm, far_mm].
+PixelList pixels_between(const Image<float>& depth_mm, double near_mm, double far_mm) {
+  PixelList pixels;
+  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
+    const float depth = depth_mm.data()[i];
+    if (is_measured(depth) && depth >= near_mm && depth <= far_mm)
+      pixels.push_back(static_cast<std::int32_t>(i));
+  }
+  return pixels;
+}
+
+/// Parts the pixels of an image of that size into 8-connected components.
+std::vector<PixelList> components_of(const PixelList& pixels, int width, int height) {
+  Image<std::uint8_t> mask(width, height);
+  for (const std::int32_t pixel : pixels) mask.data()[pixel] = 1;
+  Image<std::int32_t> labels(width, height);
+  cv::Mat_<std::int32_t> label_view = cv_view(labels);
+  const int label_count = cv::connectedComponents(cv_view(mask), label_view, 8, CV_32S);
+  std::vector<PixelList> components(
+      static_cast<std::size_t>(std::max(label_count - 1, 0)));  // label 0: background
+  for (const std::int32_t pixel : pixels) components[labels.data()[pixel] - 1].push_back(pixel);
+  return components;
+}
+
+}  // namespace
+
+void ThresholdSegmenterOptions::visit(OptionVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> kIntervals{"nearest", "fixed"};
+  static constexpr std::array<std::string_view, 2> kPixels{"all", "component"};
+  visitor.choice("interval", interval, kIntervals);
+  visitor.real("range_mm", range_mm, open_closed(0, 10000));
+  visitor.real("tolerance_mm", tolerance_mm, closed(0, 1000));
+  visitor.real("near_mm", near_mm, closed(0, 20000));
+  visitor.real("far_mm", far_mm, open_closed(0, 20000));
+  visitor.choice("pixels", pixels, kPixels);
+  visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
+}
+
+ThresholdSegmenter::ThresholdSegmenter(const ThresholdSegmenterOptions& options, int max_hands)
+    : options_(options), max_hands_(max_hands) {
+  check_options(options_, "threshold segmentation");
+  if (options_.near_mm >= options_.far_mm) {
+    fail("threshold segmentation: near_mm is {} and far_mm {}, expected near_mm < far_mm", options_.near_mm,
+         options_.far_mm);
+  }
+  check_max_hands(max_hands);
+}
+
+HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& frame) const {
+  HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
+  const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
+  Point3 sum = Point3::Zero();
+  for (const std::int32_t pixel : pixels) {
+    const int column = pixel % frame.camera.width;
+    const int row = pixel / frame.camera.width;
+    const float depth = frame.depth_mm.data()[pixel];
+    sum += Point3(rays->x(column, row, depth), rays->y(column, row, depth), depth);
+  }
+  region.centre = sum / static_cast<double>(pixels.size());
+  region.score = static_cast<double>(pixels.size()) / static_cast<double>(region.box.area());
+  return region;
+}
+
+std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, const Image<float>& depth_mm,
+                                                          double near_mm, double far_mm) const {
+  const PixelList all = pixels_between(depth_mm, near_mm, far_mm);
+  std::vector<PixelList> parts{all};
+  if (options_.pixels == "component") parts = components_of(all, depth_mm.width(), depth_mm.height());
+  const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame); };
+  std::erase_if(parts,
+                [&](const PixelList& part) { return part.empty() || area_of(part) < options_.min_area_mm2; });
+  std::ranges::stable_sort(parts, std::greater{}, area_of);
+  if (std::ssize(parts) > max_hands_) parts.resize(static_cast<std::size_t>(max_hands_));
+  std::vector<HandRegion> hands;
+  for (const PixelList& part : parts) hands.push_back(region_of(part, frame));
+  return hands;
+}
+
+Segmentation ThresholdSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
+  check_size(frame);
+  check_start(frame, start);
+  Segmentation result;
+  if (options_.interval == "fixed") {
+    result.hands = hands_between(frame, frame.depth_mm, options_.near_mm, options_.far_mm);
+  } else if (start) {
+    const double half = 0.5 * options_.range_mm;
+    result.hands = hands_between(frame, frame.depth_mm, start->z() - half, start->z() + half);
+  } else {
+    Image<float> rest = frame.depth_mm;
+    for (int i = 0; i < kMostCandidates && result.hands.empty(); ++i) {
+      const std::optional<NearestPixel> nearest = nearest_pixel(rest);
+      if (!nearest) break;
+      const double near_mm = nearest->depth_mm - options_.tolerance_mm;
+      const double far_mm = nearest->depth_mm + options_.range_mm;
+      result.hands = hands_between(frame, rest, near_mm, far_mm);
+      for (const std::int32_t pixel : pixels_between(rest, near_mm, far_mm)) rest.data()[pixel] = 0.0f;
+    }
+  }
+  if (result.hands.empty()) {
+    result.reason =
+        fmt::format("no surface of at least {:.0f} mm^2 in the depth interval", options_.min_area_mm2);
+  }
+  return result;
+}
+
+}  // namespace knuckle
