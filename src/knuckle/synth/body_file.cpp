@@ -217,8 +217,8 @@ void read_weights(const Reader& reader, Body& body) {
     std::vector<std::pair<float, std::int32_t>> weights;
     for (std::size_t b = 0; b < bone_count; ++b) {
       const float weight = dense[i * bone_count + b];
-      if (weight != 0.0f)
-        weights.emplace_back(weight, static_cast<std::int32_t>(b));  // NaN too: `check` names it
+      if (!std::isfinite(weight)) reader.fault("weights of vertex {} are not finite", i);
+      if (weight != 0.0f) weights.emplace_back(weight, static_cast<std::int32_t>(b));
     }
     if (weights.size() > Body::kBonesAVertex) {
       reader.fault("weights of vertex {} name {} bones, expected at most {}", i, weights.size(),

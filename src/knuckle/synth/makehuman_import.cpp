@@ -54,6 +54,18 @@ std::int32_t makehuman_bone(const MakeHumanMesh& mesh, std::string_view name) {
   return static_cast<std::int32_t>(found - mesh.bones.begin());
 }
 
+const Sources& joint_cube(const MakeHumanMesh& mesh, const std::string& joint) {
+  const auto cube = mesh.joint_cubes.find(joint);
+  if (cube == mesh.joint_cubes.end()) fail("MakeHuman's mesh has no joint '{}'", joint);
+  return cube->second;
+}
+
+Eigen::Vector3f mean(const std::vector<Eigen::Vector3f>& values, const Sources& sources) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const std::int32_t source : sources) sum += values[source];
+  return sum / static_cast<float>(sources.size());
+}
+
 Skeleton reduced_skeleton(const MakeHumanMesh& mesh) {
   const std::int32_t head = makehuman_bone(mesh, "head");
   Skeleton skeleton;
@@ -98,29 +110,25 @@ std::array<std::array<std::int32_t, 3>, 2> triangles_of(const std::array<std::in
 Skin select_skin(const MakeHumanMesh& mesh) {
   const std::int32_t wrist = makehuman_bone(mesh, "wrist.R");
   const std::int32_t arm = makehuman_bone(mesh, "upperarm01.R");
-  const auto is_leg = [&](std::int32_t bone) {
-    const std::string& name = mesh.bones[bone];
-    return name.starts_with("upperleg") || name.starts_with("lowerleg") || name.starts_with("foot") ||
-           name.starts_with("toe");
-  };
   const auto mean_share = [&](const auto& corners, const auto& belongs) {
     float sum = 0.0f;
     for (const std::int32_t vertex : corners) sum += share_of(mesh, vertex, belongs);
     return sum / static_cast<float>(corners.size());
   };
-  const auto below = [&](std::int32_t ancestor) {
+  const float hip_height = mean(mesh.vertices_mm, joint_cube(mesh, "upperleg01.R____head")).y();
+  const auto hanging_on = [&](std::int32_t ancestor) {
     return [&mesh, ancestor](std::int32_t bone) { return hangs_on(mesh.parents, bone, ancestor); };
   };
   Skin skin;
   for (const MakeHumanMesh::Quad& quad : mesh.quads) {
     if (std::ranges::find(kKeptMaterials, mesh.materials[quad.material]) == kKeptMaterials.end()) continue;
     if (std::ranges::any_of(quad.vertices,
-                            [&](auto vertex) { return share_of(mesh, vertex, is_leg) > 0.5f; })) {
+                            [&](auto vertex) { return mesh.vertices_mm[vertex].y() < hip_height; })) {
       continue;
     }
-    const int section = mean_share(quad.vertices, below(wrist)) > 0.5f ? 0
-                        : mean_share(quad.vertices, below(arm)) > 0.5f ? 1
-                                                                       : 2;
+    const int section = mean_share(quad.vertices, hanging_on(wrist)) > 0.5f ? 0
+                        : mean_share(quad.vertices, hanging_on(arm)) > 0.5f ? 1
+                                                                            : 2;
     for (const auto& triangle : triangles_of(quad.vertices, mesh.vertices_mm))
       skin.faces[section].push_back(triangle);
   }
@@ -180,9 +188,7 @@ class BodyBuilder {
 
   /// A point of MakeHuman's skeleton, "wrist.R____head", as a marker that moves with `bone`.
   VertexGroup add_marker(const std::string& joint, std::int32_t bone) {
-    const auto cube = mesh_.joint_cubes.find(joint);
-    if (cube == mesh_.joint_cubes.end()) fail("MakeHuman's mesh has no joint '{}'", joint);
-    return {{add_point(cube->second, bone)}, {1.0f}};
+    return {{add_point(joint_cube(mesh_, joint), bone)}, {1.0f}};
   }
 
   void add_joints() {
@@ -214,12 +220,6 @@ class BodyBuilder {
   Body& body() { return body_; }
 
  private:
-  static Eigen::Vector3f mean(const std::vector<Eigen::Vector3f>& values, const Sources& sources) {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (const std::int32_t source : sources) sum += values[source];
-    return sum / static_cast<float>(sources.size());
-  }
-
   std::int32_t new_vertex(Sources sources) {
     body_.v_template.push_back(mean(mesh_.vertices_mm, sources));
     sources_.push_back(std::move(sources));

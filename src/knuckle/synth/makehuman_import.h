@@ -10,7 +10,8 @@ namespace knuckle {
 /// Makes a body from MakeHuman's npm package: head, trunk, both arms and hands, with the targets of
 /// body_shape.h as shape directions.
 ///
-/// - Skin and eyeballs; everything below the hips is cut off and the cut closed. Quads become triangles.
+/// - Skin and eyeballs; everything below the hip joints is cut off and the cut closed. Quads become
+/// triangles.
 /// - Bones of face, breasts and legs are merged into what they hang on; the others keep their names. Finger
 /// joints are
 ///   moved to where people have them (hand_anatomy.h).
