@@ -5,7 +5,8 @@
 
 Blender does everything itself: its armature poses the mesh, Cycles renders depth and the hand's mask through the
 pixels' centres. OUT: `depth_mm` N x H x W (0: nothing there), `mask` N x H x W, `vertices` N x V x 3 and `landmarks`
-N x 22 x 3 in camera coordinates [mm], `setup_seconds`, and `frame_seconds` N (pose, render, write an EXR file).
+N x 22 x 3 in camera coordinates [mm], `setup_seconds`, and `frame_seconds` and `frame_cpu_seconds` N (pose, render, write an
+EXR file).
 """
 import argparse
 import math
@@ -185,21 +186,22 @@ def main():
         mesh = add_mesh(armature, names, MM * dump["rest_vertices"].astype(np.float64), faces, is_hand, weights)
         setup_seconds = time.perf_counter() - start
 
-        frame_seconds, results = [], {"depth_mm": [], "mask": [], "vertices": [], "landmarks": []}
+        seconds, cpu_seconds, results = [], [], {"depth_mm": [], "mask": [], "vertices": [], "landmarks": []}
         for index in range(count):
-            start = time.perf_counter()
+            start, cpu_start = time.perf_counter(), time.process_time()
             camera_from_body = dump["camera_from_body"][index].astype(np.float64)
             camera_from_body[:3, 3] *= MM
             pose(armature, names, dump["rotations_wxyz"][index], camera_from_body)
             scene.frame_current = index
             bpy.ops.render.render()
-            frame_seconds.append(time.perf_counter() - start)
+            seconds.append(time.perf_counter() - start)
+            cpu_seconds.append(time.process_time() - cpu_start)
 
             depth, mask = read_image(os.path.join(folder, f"frame_{index:04}.exr"), camera)
             for name, value in (("depth_mm", depth), ("mask", mask), ("vertices", posed_vertices(mesh)),
                                 ("landmarks", posed_landmarks(armature, landmark_bones, MM * dump["rest_landmarks"]))):
                 results[name].append(value)
-    np.savez(arguments.out, setup_seconds=setup_seconds, frame_seconds=frame_seconds,
+    np.savez(arguments.out, setup_seconds=setup_seconds, frame_seconds=seconds, frame_cpu_seconds=cpu_seconds,
              **{name: np.array(values) for name, values in results.items()})
 
 

@@ -2,16 +2,19 @@
 // Renders frames of one person and writes all that another program needs to render them, too (see
 // scripts/blender_render.py), with what Knuckle made of them and how fast.
 //
-//     knuckle_frame_dump BODY.h5|makehuman OUT.h5 FRAMES
+//     knuckle_frame_dump BODY.h5|makehuman OUT.h5 [--frames N] [--camera WIDTH,HEIGHT,FX,FY,CX,CY] [--time]
 
-#include <charconv>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/hdf5_file.h"
@@ -29,7 +32,15 @@ namespace knuckle {
 namespace {
 
 constexpr std::uint64_t kSeed = 7;
-constexpr int kTimedFrames = 400;
+constexpr int kTimedFrames = 800;
+
+struct Arguments {
+  std::string body;
+  std::string out;
+  int frames = 20;
+  std::vector<double> camera;
+  bool is_timed = false;
+};
 
 struct PosedFrame {
   BodyPose pose;
@@ -52,27 +63,39 @@ void draw(PosedFrame& frame, const ShapedBody& person, const Camera& camera) {
   frame.mask = mask_of(frame.rendering, person.body->is_hand);
 }
 
-double seconds_of(const std::function<void()>& work) {
+/// What a frame costs when many are made on all threads.
+struct Cost {
+  double frames_per_second = 0.0;
+  double cpu_seconds_per_frame = 0.0;  ///< of all threads together: does not depend on what else runs
+};
+
+Cost cost_of(const std::function<void(std::int64_t)>& frame) {
+  const std::clock_t cpu_start = std::clock();
   const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  parallel_for(kTimedFrames, frame);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const double cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  return {kTimedFrames / seconds.count(), cpu_seconds / kTimedFrames};
 }
 
-/// Frames a second on all threads: the pose is there, the person is skinned, drawn and masked.
-double drawing_rate(const std::vector<PosedFrame>& frames, const ShapedBody& person, const Camera& camera) {
-  const auto draw_again = [&](std::int64_t i) {
+/// The pose is there; the person is skinned, drawn and masked.
+Cost drawing_cost(const std::vector<PosedFrame>& frames, const ShapedBody& person, const Camera& camera) {
+  return cost_of([&](std::int64_t i) {
     PosedFrame frame{frames[static_cast<std::size_t>(i) % frames.size()].pose, {}, {}, {}};
     draw(frame, person, camera);
-  };
-  return kTimedFrames / seconds_of([&] { parallel_for(kTimedFrames, draw_again); });
+  });
 }
 
-/// Frames a second on all threads as `synthetic:` gives them: also the choice of the pose, and noise.
-double source_rate(const Manifest& manifest, const std::shared_ptr<const Body>& body) {
+/// As `synthetic:` gives frames: also the choice of the pose, and noise.
+Cost source_cost(Manifest manifest, const std::shared_ptr<const Body>& body) {
+  manifest.frames = kTimedFrames;
   const auto source = create_synthetic(manifest, body);
-  const auto read = [&](std::int64_t i) { static_cast<void>(source->read(i)); };
-  read(0);
-  return kTimedFrames / seconds_of([&] { parallel_for(kTimedFrames, read); });
+  return cost_of([&](std::int64_t i) { static_cast<void>(source->read(i)); });
+}
+
+void write_cost(Hdf5File& file, const std::string& name, const Cost& cost) {
+  file.set_attribute(name + "_frames_per_second", cost.frames_per_second);
+  file.set_attribute(name + "_cpu_seconds_per_frame", cost.cpu_seconds_per_frame);
 }
 
 /// Rows of float arrays, one a frame.
@@ -113,12 +136,10 @@ void write_frame_arrays(Hdf5File& file, const std::vector<PosedFrame>& frames, c
   write_frames(file, "camera_from_body", {4, 4}, frames, [](const PosedFrame& frame, auto& values) {
     for (int i = 0; i < 16; ++i) values.push_back(frame.pose.camera_from_body.matrix()(i / 4, i % 4));
   });
-  write_frames(file, "vertices", {vertices, 3}, frames, [](const PosedFrame& frame, auto& values) {
-    append_points(frame.posed.vertices, values);
-  });
-  write_frames(file, "landmarks", {kSupersetSize, 3}, frames, [](const PosedFrame& frame, auto& values) {
-    append_points(frame.posed.landmarks, values);
-  });
+  write_frames(file, "vertices", {vertices, 3}, frames,
+               [](const PosedFrame& frame, auto& values) { append_points(frame.posed.vertices, values); });
+  write_frames(file, "landmarks", {kSupersetSize, 3}, frames,
+               [](const PosedFrame& frame, auto& values) { append_points(frame.posed.landmarks, values); });
   const auto height = static_cast<std::uint64_t>(camera.height);
   const auto width = static_cast<std::uint64_t>(camera.width);
   write_frames(file, "depth_mm", {height, width}, frames, [](const PosedFrame& frame, auto& values) {
@@ -143,33 +164,51 @@ std::vector<PosedFrame> drawn_frames(const BodyRig& rig, const Manifest& manifes
   return frames;
 }
 
-void dump(std::string_view kind, const std::string& out, int frame_count) {
-  const auto body = std::make_shared<const Body>(kind == "makehuman" ? makehuman_body(makehuman_folder())
-                                                                     : load_body(kind));
+Camera camera_of(const std::vector<double>& numbers) {
+  Camera camera;
+  camera.width = static_cast<int>(numbers[0]);
+  camera.height = static_cast<int>(numbers[1]);
+  camera.fx = numbers[2];
+  camera.fy = numbers[3];
+  camera.cx = numbers[4];
+  camera.cy = numbers[5];
+  check(camera);
+  return camera;
+}
+
+void write_camera(Hdf5File& file, const Camera& camera) {
+  file.set_attribute("width", camera.width);
+  file.set_attribute("height", camera.height);
+  file.set_attribute("fx", camera.fx);
+  file.set_attribute("fy", camera.fy);
+  file.set_attribute("cx", camera.cx);
+  file.set_attribute("cy", camera.cy);
+}
+
+void dump(const Arguments& arguments) {
+  const bool is_makehuman = arguments.body == "makehuman";
+  const auto body = std::make_shared<const Body>(is_makehuman ? makehuman_body(makehuman_folder())
+                                                              : load_body(arguments.body));
   Manifest manifest;
-  manifest.path = "frame_dump";
-  manifest.frames = frame_count;
+  manifest.frames = arguments.frames;
+  if (!arguments.camera.empty()) manifest.camera.camera = camera_of(arguments.camera);
   const Camera& camera = manifest.camera.camera;
-  const ShapedBody person = person_of(*body, kind);
+  const ShapedBody person = person_of(*body, arguments.body);
   const BodyRig rig(person);
   const std::vector<PosedFrame> frames = drawn_frames(rig, manifest);
 
-  const std::string body_file = out + ".body.h5";
+  const std::string body_file = arguments.out + ".body.h5";
   save_body(*body, body_file);
-  Hdf5File file = Hdf5File::create(out);
+  Hdf5File file = Hdf5File::create(arguments.out);
   file.set_attribute("body", body_file);
-  file.set_attribute("width", camera.width);
-  file.set_attribute("height", camera.height);
-  for (const auto& [name, value] :
-       {std::pair{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}) {
-    file.set_attribute(name, value);
-  }
+  write_camera(file, camera);
   write_person(file, person);
   write_frame_arrays(file, frames, camera);
-  manifest.frames = kTimedFrames;
-  file.set_attribute("threads", thread_count());
-  file.set_attribute("drawn_frames_per_second", drawing_rate(frames, person, camera));
-  file.set_attribute("source_frames_per_second", source_rate(manifest, body));
+  if (arguments.is_timed) {
+    file.set_attribute("threads", thread_count());
+    write_cost(file, "drawing", drawing_cost(frames, person, camera));
+    write_cost(file, "source", source_cost(manifest, body));
+  }
   file.close();
 }
 
@@ -177,18 +216,16 @@ void dump(std::string_view kind, const std::string& out, int frame_count) {
 }  // namespace knuckle
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  int frames = 0;
-  if (arguments.size() == 3) {
-    const std::string& text = arguments[2];
-    std::from_chars(text.data(), text.data() + text.size(), frames);
-  }
-  if (frames < 1) {
-    std::fputs("usage: knuckle_frame_dump BODY.h5|makehuman OUT.h5 FRAMES\n", stderr);
-    return 2;
-  }
+  knuckle::Arguments arguments;
+  CLI::App app("Frames that Knuckle rendered, with all that another renderer needs to render them");
+  app.add_option("body", arguments.body, "body file, or makehuman")->required();
+  app.add_option("out", arguments.out, "dump to write (.h5)")->required();
+  app.add_option("--frames", arguments.frames, "how many")->check(CLI::PositiveNumber);
+  app.add_option("--camera", arguments.camera, "width,height,fx,fy,cx,cy")->delimiter(',')->expected(6);
+  app.add_flag("--time", arguments.is_timed, "also measure how fast frames are made");
+  CLI11_PARSE(app, argc, argv);
   try {
-    knuckle::dump(arguments[0], arguments[1], frames);
+    knuckle::dump(arguments);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "knuckle_frame_dump: %s\n", error.what());
     return 1;

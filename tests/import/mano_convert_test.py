@@ -3,6 +3,7 @@
 import os
 import pickle
 import struct
+import subprocess
 import sys
 import types
 import unittest
@@ -162,6 +163,15 @@ class ManoConvertTest(ImportTest):
         self.assertEqual(body.names[13], "finger5-1.R")
         self.assertEqual(body.landmark_regressor[kb.LANDMARKS.index("thumb_tip")].vertices.tolist(), [1])
         self.assertEqual(body.shapedirs, [])
+
+    @unittest.skipUnless("KNUCKLE_FRAME_DUMP" in os.environ, "knuckle_frame_dump is not named")
+    def test_knuckle_reads_and_renders_it(self):
+        self.converted(self.save_npz())
+        dump = self.folder / "dump.h5"
+        process = subprocess.run([os.environ["KNUCKLE_FRAME_DUMP"], self.out, dump, "--frames", "1"],
+                                 capture_output=True, text=True, check=False)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertTrue(dump.exists())
 
     def test_mirrors_a_left_hand(self):
         body = self.converted(self.save_npz(), "--mirror")
