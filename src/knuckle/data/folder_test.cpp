@@ -222,7 +222,8 @@ TEST(Folder, ReadsTheRealSequenceWithItsTruth) {
     // The labels lie on the hand: most joints are within 50 mm of the surface that is measured there.
     int near_surface = 0;
     for (const ImagePoint& joint : frame.truth->joints) {
-      const float depth = frame.depth_mm(static_cast<int>(joint.u + 0.5), static_cast<int>(joint.v + 0.5));
+      const float depth =
+          frame.depth_mm(static_cast<int>(std::lround(joint.u)), static_cast<int>(std::lround(joint.v)));
       if (std::abs(depth - joint.depth_mm) < 50) ++near_surface;
     }
     EXPECT_GE(near_surface, 15) << frame.name;

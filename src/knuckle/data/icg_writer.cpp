@@ -42,9 +42,10 @@ std::string annotation_text(const HandPose& truth) {
   const HandPose pose = with_pixel_origin(converted(truth, convention_from_name("icg20")),
                                           PixelOrigin::centre, PixelOrigin::corner);
   std::string text;
-  for (const ImagePoint& joint : pose.joints)
+  for (const ImagePoint& joint : pose.joints) {
     text +=
         joint.is_missing() ? "nan nan nan\n" : fmt::format("{} {} {}\n", joint.u, joint.v, joint.depth_mm);
+  }
   return text;
 }
 

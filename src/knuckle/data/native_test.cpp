@@ -147,10 +147,11 @@ std::string msra15_bytes(const std::vector<std::uint32_t>& header, const std::ve
 const std::string kJoints = "2\n" + numbers_text(63, -400.0) + "\n" + numbers_text(63, -300.0) + "\n";
 
 void put_msra15(const fs::path& root) {
-  for (const std::string gesture : {"P0/1/", "P0/5/", "P1/1/"})
+  const std::string bytes = msra15_bytes({320, 240, 10, 20, 12, 23}, {1, 2, 3, 4, 5, 6});
+  for (const std::string gesture : {"P0/1/", "P0/5/", "P1/1/"}) {
     for (const std::string name : {"000000", "000001"})
-      put_file(root / (gesture + name + "_depth.bin"),
-               msra15_bytes({320, 240, 10, 20, 12, 23}, {1, 2, 3, 4, 5, 6}));
+      put_file(root / (gesture + name + "_depth.bin"), bytes);
+  }
   put_file(root / "P0/5/joint.txt", kJoints);
 }
 

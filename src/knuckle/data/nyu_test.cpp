@@ -31,11 +31,14 @@ void write_mat(const fs::path& path, std::array<std::size_t, 4> dims, matio_comp
                const char* name = "joint_uvd", matio_classes kind = MAT_C_DOUBLE) {
   std::vector<double> values(dims[0] * dims[1] * dims[2] * dims[3]);
   std::size_t place = 0;  // Matlab's order: the first index runs fastest
-  for (std::size_t axis = 0; axis < dims[3]; ++axis)
-    for (std::size_t joint = 0; joint < dims[2]; ++joint)
-      for (std::size_t frame = 0; frame < dims[1]; ++frame)
+  for (std::size_t axis = 0; axis < dims[3]; ++axis) {
+    for (std::size_t joint = 0; joint < dims[2]; ++joint) {
+      for (std::size_t frame = 0; frame < dims[1]; ++frame) {
         for (std::size_t view = 0; view < dims[0]; ++view)
           values[place++] = fixture_value(view, frame, joint, axis);
+      }
+    }
+  }
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
   ASSERT_NE(file, nullptr);
   const matio_types type = kind == MAT_C_DOUBLE ? MAT_T_DOUBLE : MAT_T_INT32;
@@ -49,9 +52,10 @@ void put_nyu(const fs::path& folder) {
   Image<Rgb> image(640, 480, Rgb{0, 3, 32});
   image(4, 5) = {0, 2001 / 256, 2001 % 256};
   image(5, 5) = {0, 0, 0};
-  for (const int view : {1, 2})
+  for (const int view : {1, 2}) {
     for (const int frame : {1, 2, 3})
       write_png(folder / fmt::format("depth_{}_{:07}.png", view, frame), image);
+  }
   write_mat(folder / "joint_data.mat", {3, 3, 36, 3}, MAT_COMPRESSION_ZLIB);
 }
 
@@ -173,7 +177,8 @@ TEST(Nyu, TheRealFramesTruthLiesOnItsHand) {
   ASSERT_EQ(uvd.size(), 42u);
   int on_hand = 0;
   for (std::size_t i = 0; i < uvd.size(); i += 3) {
-    const float depth = frame.depth_mm(static_cast<int>(uvd[i] + 0.5), static_cast<int>(uvd[i + 1] + 0.5));
+    const float depth =
+        frame.depth_mm(static_cast<int>(std::lround(uvd[i])), static_cast<int>(std::lround(uvd[i + 1])));
     if (std::abs(depth - uvd[i + 2]) < 40) ++on_hand;
   }
   EXPECT_GE(on_hand, 10);

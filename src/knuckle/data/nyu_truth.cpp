@@ -85,10 +85,12 @@ NyuTruth::NyuTruth(std::filesystem::path path, int view) : path_(std::move(path)
   if (view_index >= labels.views)
     fail("{}: has {} views, asked for view {}", path_.string(), labels.views, view);
   uvd_.reserve(labels.frames * kValuesAFrame);
-  for (std::size_t frame = 0; frame < labels.frames; ++frame)
-    for (const std::size_t joint : kEvaluatedJoints)
+  for (std::size_t frame = 0; frame < labels.frames; ++frame) {
+    for (const std::size_t joint : kEvaluatedJoints) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         uvd_.push_back(static_cast<float>(labels(view_index, frame, joint, axis)));
+    }
+  }
   frame_count_ = static_cast<std::int64_t>(labels.frames);
 }
 

@@ -89,25 +89,28 @@ TEST(OpenDataset, ListsTheKindsWhereOneIsUnknown) {
 }
 
 TEST(OpenDataset, EveryKindNamesAMissingPath) {
-  for (const DatasetKind& kind : dataset_kinds())
+  for (const DatasetKind& kind : dataset_kinds()) {
     EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":/no/such/place"); }),
                 HasSubstr("/no/such/place"))
         << kind.name;
+  }
 }
 
 TEST(OpenDataset, EveryKindRefusesUnknownKeys) {
-  for (const DatasetKind& kind : dataset_kinds())
+  for (const DatasetKind& kind : dataset_kinds()) {
     EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":/no/such/place?colour=red"); }),
                 HasSubstr("unknown key 'colour'"))
         << kind.name;
+  }
 }
 
 TEST(OpenDataset, EveryKindRefusesAnEmptySource) {
   const testing::TemporaryFolder folder;
-  for (const DatasetKind& kind : dataset_kinds())
+  for (const DatasetKind& kind : dataset_kinds()) {
     EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":" + folder.path().string()); }),
                 HasSubstr(folder.path().string()))
         << kind.name;
+  }
 }
 
 }  // namespace

@@ -193,6 +193,19 @@ TEST_F(MakeHumanImportTest, SavedBodyPosesTheSame) {
   EXPECT_EQ(before.landmarks, after.landmarks);
 }
 
+TEST_F(MakeHumanImportTest, ImportIsKeptForTheNextTime) {
+  const TemporaryFolder folder;
+  const std::filesystem::path package = std::filesystem::absolute(makehuman_folder());
+  std::filesystem::create_directory_symlink(package / "public", folder / "public");
+  std::filesystem::create_directory_symlink(package / "src", folder / "src");
+  const Body first = makehuman_body(folder.path());
+  std::filesystem::remove(folder / "public");  // from now on only the kept file is there
+  const Body second = makehuman_body(folder.path());
+  EXPECT_EQ(first.v_template, second.v_template);
+  EXPECT_EQ(first.v_template, body().v_template);
+  EXPECT_EQ(second.shapedirs.size(), body().shapedirs.size());
+}
+
 TEST_F(MakeHumanImportTest, TargetsAreWhereTheirNamesSay) {
   const MakeHumanMesh mesh = read_makehuman_mesh(makehuman_folder());
   const MakeHumanTargets targets(makehuman_folder(), mesh.vertices_mm.size());

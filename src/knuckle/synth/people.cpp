@@ -23,7 +23,7 @@ PersonShape sampled_person(const Body& body, Random& random) {
   person.height = bounded_normal(0.475, 0.04, random);
   person.african = random.uniform();
   person.asian = random.uniform();
-  person.caucasian = 0.01 + random.uniform();  // they must not all be 0
+  person.caucasian = random.uniform(0.01, 1.0);  // they must not all be 0
   person.finger_length = bounded_normal(0.0, 0.25, random);
   person.finger_thickness = bounded_normal(0.0, 0.3, random);
   person.finger_spread = bounded_normal(0.0, 0.3, random);
