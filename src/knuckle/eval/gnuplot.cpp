@@ -72,12 +72,23 @@ void run_gnuplot(std::string_view script) {
 }
 
 std::string gnuplot_quoted(std::string_view text) {
-  std::string quoted = "'";
+  // Single quotes would need doubling, which gnuplot does not understand everywhere (as a string's first
+  // character).
+  constexpr std::string_view kPlain = " _-+.,:;/()=<>%&";
+  std::string quoted = "\"";
   for (const char c : text) {
-    if (c == '\'') quoted += '\'';  // a quote is doubled
-    quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_letter = (byte | 0x20) >= 'a' && (byte | 0x20) <= 'z';
+    const bool is_digit = byte >= '0' && byte <= '9';
+    if (byte < 0x20 || byte == 0x7f) {
+      quoted += ' ';
+    } else if (is_letter || is_digit || byte >= 0x80 || kPlain.find(c) != std::string_view::npos) {
+      quoted += c;
+    } else {
+      quoted += fmt::format("\\{:03o}", byte);
+    }
   }
-  return quoted + "'";
+  return quoted + '"';
 }
 
 }  // namespace knuckle

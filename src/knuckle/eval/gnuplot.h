@@ -10,8 +10,8 @@ namespace knuckle {
 /// that says so where gnuplot is not installed, or that holds gnuplot's complaint.
 void run_gnuplot(std::string_view script);
 
-/// `text` as a gnuplot string constant: in single quotes, where nothing is expanded or executed. Control
-/// characters become blanks.
+/// `text` as a gnuplot string constant in which nothing is expanded or executed: every character that could
+/// mean something to gnuplot is written as an octal escape. Control characters become blanks.
 std::string gnuplot_quoted(std::string_view text);
 
 }  // namespace knuckle

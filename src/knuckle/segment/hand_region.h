@@ -22,8 +22,8 @@ HandRegion mirrored(HandRegion region, int width);
 /// Area that a pixel covers at this depth, on a plane parallel to the image [mm^2].
 double pixel_area_mm2(const Camera& camera, double depth_mm);
 
-/// Area that these pixels of the frame cover, each on a plane parallel to the image [mm^2].
-double area_mm2(const std::vector<std::int32_t>& pixels, const Frame& frame);
+/// Area that these pixels of a depth image cover, each on a plane parallel to the image [mm^2].
+double area_mm2(const std::vector<std::int32_t>& pixels, const Camera& camera, const Image<float>& depth_mm);
 
 /// Throws an Error unless a segmenter can be asked for so many hands: [1, 16].
 void check_max_hands(int max_hands);

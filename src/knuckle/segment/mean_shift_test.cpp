@@ -124,9 +124,6 @@ TEST(MeanShift, FindsTheFixedPointOfTheBruteForceReference) {
         << "seed " << seed << ", " << result.iterations << " for " << expected.iterations
         << " iterations, from " << start.transpose() << " to " << result.centre.transpose() << ", expected "
         << expected.centre.transpose();
-    if (std::getenv("KV"))
-      std::printf("%lu %d %d %.4f travel %.1f\n", seed, result.iterations, expected.iterations,
-                  (result.centre - expected.centre).norm(), (expected.centre - start).norm());
   }
 }
 

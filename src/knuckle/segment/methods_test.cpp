@@ -87,9 +87,40 @@ TEST(MeanShiftSegmenter, LeavesTheFirstHandsPointsOutOfTheSecond) {
   }
 }
 
+TEST(MeanShiftSegmenter, TakesNoWallForAHandUnlessItIsToldTo) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  std::ranges::fill(frame.depth_mm.pixels(), 900.0f);
+  const MeanShiftSegmenter segmenter{MeanShiftSegmenterOptions{}};
+  const Segmentation found = segmenter.segment(frame, std::nullopt);
+  EXPECT_TRUE(found.hands.empty());
+  EXPECT_THAT(found.reason, ::testing::HasSubstr("a hand at most 40000"));
+  EXPECT_EQ(segmenter.segment(frame, Point3(0, 0, 900)).hands.size(), 1u);
+}
+
+TEST(MeanShiftSegmenter, FindsTheHandBehindASpeckleThatLeadsIntoTheTrunk) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  const RayTable rays(frame.camera);
+  draw_rod(frame, rays, Point3(100, -150, 800), Point3(100, 300, 800), 160);  // trunk
+  draw_ball(frame, Point3(-160, 0, 680), 55);                                 // hand
+  draw_ball(frame, Point3(150, 100, 600), 12);                                // speckle
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt);
+  ASSERT_EQ(found.hands.size(), 1u);
+  EXPECT_NEAR(found.hands[0].centre.x(), -155, 15);
+  MeanShiftSegmenterOptions unbounded;
+  unbounded.max_area_mm2 = 1e6;
+  EXPECT_GT(MeanShiftSegmenter(unbounded).segment(frame, std::nullopt).hands.at(0).centre.x(), 50);
+}
+
+TEST(MeanShiftSegmenter, RefusesAreasInTheWrongOrder) {
+  MeanShiftSegmenterOptions options;
+  options.max_area_mm2 = 1000.0;
+  EXPECT_THAT(testing::error_of([&] { MeanShiftSegmenter segmenter(options); }),
+              ::testing::HasSubstr("min_area_mm2 <= max_area_mm2"));
+}
+
 TEST(MeanShiftSegmenter, GivesUpAfterTheGivenCandidates) {
   Frame frame = blank_frame(quarter_vga_camera());
-  for (int i = 0; i < 8; ++i) draw_ball(frame, Point3(-280 + 80 * i, 0, 400), 10);
+  for (int i = 0; i < 3; ++i) draw_ball(frame, Point3(-240 + 240 * i, 0, 400), 10);
   draw_ball(frame, Point3(0, 0, 900), 80);
   MeanShiftSegmenterOptions options;
   EXPECT_EQ(MeanShiftSegmenter(options).segment(frame, std::nullopt).hands.size(), 1u);

@@ -16,7 +16,7 @@ constexpr int kRadius = 2;           // of the 5x5 window
 constexpr int kFewestMeasured = 13;  // more than half of the window
 // A median of at least kFewestMeasured values is below a bound only where at least this many of them are.
 constexpr int kFewestCloser = (kFewestMeasured + 1) / 2;
-constexpr int kGridStep = 8;  // of the coarse search for a first bound [px]
+constexpr int kGridStep = 12;  // of the coarse search for a first bound [px]
 
 Box window_of(const Image<float>& image, int column, int row) {
   return intersection(Box{column - kRadius, row - kRadius, 2 * kRadius + 1, 2 * kRadius + 1},

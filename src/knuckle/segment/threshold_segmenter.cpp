@@ -79,7 +79,7 @@ HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& f
     sum += Point3(rays->x(column, row, depth), rays->y(column, row, depth), depth);
   }
   region.centre = sum / static_cast<double>(pixels.size());
-  region.score = static_cast<double>(pixels.size()) / static_cast<double>(region.box.area());
+  region.score = area_mm2(pixels, frame.camera, frame.depth_mm);
   return region;
 }
 
@@ -88,7 +88,7 @@ std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, co
   const PixelList all = pixels_between(depth_mm, near_mm, far_mm);
   std::vector<PixelList> parts{all};
   if (options_.pixels == "component") parts = components_of(all, depth_mm.width(), depth_mm.height());
-  const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame); };
+  const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame.camera, frame.depth_mm); };
   std::erase_if(parts,
                 [&](const PixelList& part) { return part.empty() || area_of(part) < options_.min_area_mm2; });
   std::ranges::stable_sort(parts, std::greater{}, area_of);

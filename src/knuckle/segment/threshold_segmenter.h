@@ -38,7 +38,7 @@ struct ThresholdSegmenterOptions {
 /// Where nothing in the nearest interval is large enough, its pixels are speckles: they are left out and the
 /// nearest of the rest is tried.
 ///
-/// Centre: mean of the points. Score: the pixels' share of their box, (0, 1].
+/// Centre: mean of the points. Score: the area [mm^2].
 class ThresholdSegmenter final : public Segmenter {
  public:
   /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
