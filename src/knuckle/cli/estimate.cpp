@@ -22,7 +22,8 @@ struct EstimateArguments {
 /// "poses.txt" for the best hand of a frame, "poses.hand2.txt" for the second, and so on.
 std::filesystem::path path_of_hand(const std::filesystem::path& out, int hand) {
   if (hand == 0) return out;
-  return out.parent_path() / fmt::format("{}.hand{}{}", out.stem().string(), hand + 1, out.extension().string());
+  return out.parent_path() /
+         fmt::format("{}.hand{}{}", out.stem().string(), hand + 1, out.extension().string());
 }
 
 void run_estimate(const EstimateArguments& arguments) {
@@ -38,9 +39,10 @@ void run_estimate(const EstimateArguments& arguments) {
     write_text_file(arguments.json, summary_json(frames, arguments.source, pipeline.convention()));
   }
   write_resolved_options(arguments.out, read_text_file(arguments.pipeline));
-  const auto found = std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
-  fmt::print("{} frames, hand found in {}, median {:.2f} ms a frame: {}\n", frames.size(), found, median_ms(frames),
-             arguments.out.string());
+  const auto found =
+      std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
+  fmt::print("{} frames, hand found in {}, median {:.2f} ms a frame: {}\n", frames.size(), found,
+             median_ms(frames), arguments.out.string());
 }
 
 }  // namespace
@@ -51,9 +53,11 @@ void add_estimate(CLI::App& program) {
   auto arguments = std::make_shared<EstimateArguments>();
   verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
   verb.add_option("--pipeline", arguments->pipeline, "Pipeline file")->capture_default_str();
-  verb.add_option("--out", arguments->out, "Poses file: a line a frame, J x `u v d`; nan where there is no hand")
+  verb.add_option("--out", arguments->out,
+                  "Poses file: a line a frame, J x `u v d`; nan where there is no hand")
       ->required();
-  verb.add_option("--json", arguments->json, "File for a summary as JSON: frames without a hand, times of each stage");
+  verb.add_option("--json", arguments->json,
+                  "File for a summary as JSON: frames without a hand, times of each stage");
   add_init_option(verb, arguments->init);
   verb.callback([arguments] { run_estimate(*arguments); });
 }

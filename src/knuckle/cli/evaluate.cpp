@@ -45,7 +45,8 @@ OpenedTruth open_truth(const EvaluateArguments& arguments) {
     fail("{}: truth from a file needs its camera: --camera fx,fy,cx,cy", arguments.truth);
   }
   const Camera camera = camera_from_text(arguments.camera);
-  return {truth_from_file(arguments.truth, chosen_convention(arguments), camera), nullptr, PixelOrigin::centre};
+  return {truth_from_file(arguments.truth, chosen_convention(arguments), camera), nullptr,
+          PixelOrigin::centre};
 }
 
 std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, PixelOrigin origin) {
@@ -55,11 +56,12 @@ std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, Pi
 }
 
 void print_scores(const Evaluation& evaluation) {
-  fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9} {:>9}\n", "method", "frames", "missing", "mean mm", "median mm",
-             "mean px", "AUC 0-50");
+  fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9} {:>9}\n", "method", "frames", "missing", "mean mm",
+             "median mm", "mean px", "AUC 0-50");
   for (const MethodScore& method : evaluation.methods) {
-    fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", method.name, method.frames, method.missing,
-               method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px, method.auc_pck_0_50);
+    fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", method.name, method.frames,
+               method.missing, method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px,
+               method.auc_pck_0_50);
   }
 }
 
@@ -73,7 +75,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   Report report;
   report.facts = {{"truth", arguments.truth}};
   report.evaluation = evaluation;
-  report.gallery = make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
+  report.gallery =
+      make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
   fmt::print("report: {}\n", write_report(report, arguments.out).string());
   write_resolved_options(arguments.out, "");
 }
@@ -81,18 +84,23 @@ void run_evaluate(const EvaluateArguments& arguments) {
 }  // namespace
 
 void add_evaluate(CLI::App& program) {
-  CLI::App& verb = add_verb(program, "evaluate", "Score predicted poses against truth",
-                            "knuckle evaluate --truth truth.txt --camera 588.03,-587.07,320,240 --convention nyu14 \\\n"
-                            "      --predictions mine=poses.txt other=other.txt --out report");
+  CLI::App& verb =
+      add_verb(program, "evaluate", "Score predicted poses against truth",
+               "knuckle evaluate --truth truth.txt --camera 588.03,-587.07,320,240 --convention nyu14 \\\n"
+               "      --predictions mine=poses.txt other=other.txt --out report");
   auto arguments = std::make_shared<EvaluateArguments>();
-  verb.add_option("--truth", arguments->truth, "A source KIND:PATH, or a file of `u v d` lines (then with --camera)")
+  verb.add_option("--truth", arguments->truth,
+                  "A source KIND:PATH, or a file of `u v d` lines (then with --camera)")
       ->required();
-  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow")->required();
+  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow")
+      ->required();
   verb.add_option("--convention", arguments->convention, "Landmarks of files that do not name theirs");
-  verb.add_option("--camera", arguments->camera, "fx,fy,cx,cy [px] of a truth file; a negative fy: y points up");
+  verb.add_option("--camera", arguments->camera,
+                  "fx,fy,cx,cy [px] of a truth file; a negative fy: y points up");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures");
   verb.add_option("--json", arguments->json, "File for the scores as JSON");
-  verb.add_option("--gallery", arguments->gallery.even_frames, "Frames that the report shows, spread over the sequence")
+  verb.add_option("--gallery", arguments->gallery.even_frames,
+                  "Frames that the report shows, spread over the sequence")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   verb.callback([arguments] { run_evaluate(*arguments); });

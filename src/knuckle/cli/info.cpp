@@ -6,7 +6,7 @@
 #include "knuckle/core/landmarks.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/text.h"
-#include "knuckle/estimate/estimator_factory.h"
+#include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/open_source.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/segmenter_factory.h"
@@ -38,8 +38,10 @@ nlohmann::ordered_json methods() {
 }
 
 void print_info(bool as_json) {
-  nlohmann::ordered_json info = {
-      {"version", KNUCKLE_VERSION}, {"build", KNUCKLE_BUILD_TYPE}, {"compiler", KNUCKLE_COMPILER}, {"threads", thread_count()}};
+  nlohmann::ordered_json info = {{"version", KNUCKLE_VERSION},
+                                 {"build", KNUCKLE_BUILD_TYPE},
+                                 {"compiler", KNUCKLE_COMPILER},
+                                 {"threads", thread_count()}};
   info.update(methods());
   if (as_json) {
     fmt::print("{}\n", info.dump(2));
@@ -56,7 +58,8 @@ void print_info(bool as_json) {
 }  // namespace
 
 void add_info(CLI::App& program) {
-  CLI::App& verb = add_verb(program, "info", "Version, build, and every method by kind", "knuckle info --json");
+  CLI::App& verb =
+      add_verb(program, "info", "Version, build, and every method by kind", "knuckle info --json");
   auto as_json = std::make_shared<bool>(false);
   verb.add_flag("--json", *as_json, "Print JSON");
   verb.callback([as_json] { print_info(*as_json); });

@@ -36,19 +36,20 @@ DepthSummary summary_of(const Image<float>& depth_mm) {
 
 void print_camera(const Camera& camera) {
   fmt::print("camera       {}, {} x {} px, fx {:g}, fy {:g}, cx {:g}, cy {:g} (pixel-centre coordinates)\n",
-             camera.model == CameraModel::projective ? "projective" : "orthographic", camera.width, camera.height,
-             camera.fx, camera.fy, camera.cx, camera.cy);
+             camera.model == CameraModel::projective ? "projective" : "orthographic", camera.width,
+             camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
   if (camera.is_distorted()) fmt::print("distortion   {}\n", fmt::join(camera.distortion, ", "));
 }
 
 void print_frame(const Frame& frame, std::int64_t index) {
   const DepthSummary depth = summary_of(frame.depth_mm);
-  fmt::print("frame        {} '{}': {} of {} pixels measured, {:g} to {:g} mm\n", index, frame.name, depth.valid_pixels,
-             frame.depth_mm.size(), depth.nearest_mm, depth.farthest_mm);
+  fmt::print("frame        {} '{}': {} of {} pixels measured, {:g} to {:g} mm\n", index, frame.name,
+             depth.valid_pixels, frame.depth_mm.size(), depth.nearest_mm, depth.farthest_mm);
   fmt::print("infrared     {}\n", frame.infrared.empty() ? "no" : "yes");
   fmt::print("mask         {}\n", frame.mask.empty() ? "no" : "yes");
   if (!frame.truth) return;
-  const auto known = std::ranges::count_if(frame.truth->joints, [](const ImagePoint& p) { return !p.is_missing(); });
+  const auto known =
+      std::ranges::count_if(frame.truth->joints, [](const ImagePoint& p) { return !p.is_missing(); });
   fmt::print("truth        {} of {} joints known\n", known, frame.truth->joints.size());
 }
 
@@ -71,8 +72,9 @@ void run_inspect(const InspectArguments& arguments) {
 }  // namespace
 
 void add_inspect(CLI::App& program) {
-  CLI::App& verb = add_verb(program, "inspect", "Show what a source holds",
-                            "knuckle inspect --source synthetic:manifests/demo.toml --frame 3 --png frame.png");
+  CLI::App& verb =
+      add_verb(program, "inspect", "Show what a source holds",
+               "knuckle inspect --source synthetic:manifests/demo.toml --frame 3 --png frame.png");
   auto arguments = std::make_shared<InspectArguments>();
   verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
   verb.add_option("--frame", arguments->frame, "Frame to describe")

@@ -14,8 +14,10 @@ constexpr int kWrongUsage = 2;
 
 int run(int count, char** arguments) {
   using namespace knuckle::cli;
-  CLI::App program("Knuckle estimates the pose of a hand from depth images, trains the methods that do it, makes the data\n"
-                   "they are trained on, and measures how good they are.");
+  CLI::App program(
+      "Knuckle estimates the pose of a hand from depth images, trains the methods that do it, makes the "
+      "data\n"
+      "they are trained on, and measures how good they are.");
   program.name("knuckle");
   program.require_subcommand(1);
   program.footer("`knuckle VERB --help` tells more about a verb, with an example.");

@@ -57,7 +57,9 @@ void add_render(CLI::App& program) {
   verb.add_option("--manifest", arguments->manifest, "What to render (manifests/)")->required();
   verb.add_option("--out", arguments->out, "File (h5) or folder (folder, icg) to write")->required();
   verb.add_option("--format", arguments->format, "h5, folder or icg")->capture_default_str();
-  verb.add_option("--first", arguments->first, "First frame")->check(CLI::NonNegativeNumber)->capture_default_str();
+  verb.add_option("--first", arguments->first, "First frame")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   verb.add_option("--count", arguments->count, "Number of frames; 0: all from the first on")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -26,8 +26,8 @@ void add_train(CLI::App& program);
 /// Adds --init nearest|truth: where segmentation starts.
 void add_init_option(CLI::App& verb, std::string& init);
 
-/// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a folder
-/// gets "options.toml" in it. The command line comes first, as a comment.
+/// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a
+/// folder gets "options.toml" in it. The command line comes first, as a comment.
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml);
 
 /// The command line of this run, for `write_resolved_options`.

@@ -12,7 +12,8 @@
 
 namespace knuckle {
 
-/// True where a pixel of a depth image holds a measurement: a finite depth above 0 (so not 0, NaN or infinity).
+/// True where a pixel of a depth image holds a measurement: a finite depth above 0 (so not 0, NaN or
+/// infinity).
 inline bool is_measured(float depth_mm) {
   return depth_mm > 0.0f && depth_mm <= std::numeric_limits<float>::max();
 }

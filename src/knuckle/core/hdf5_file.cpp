@@ -38,8 +38,10 @@ class Id {
   herr_t (*close_)(hid_t);
 };
 
-/// Without this HDF5 prints its own stack of errors.
+/// Called before the library's first use. Without this HDF5 prints its own stack of errors, and at the end of the
+/// program it crashes on a file that could not be closed because the disk was full.
 void silence_library() {
+  H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 

@@ -398,7 +398,9 @@ std::vector<OptionTable> OptionTable::tables(std::string_view key) const {
   return tables;
 }
 
-void OptionTable::leave(std::string_view key) const { state_->known.emplace(key); }
+void OptionTable::leave(std::string_view key) const {
+  state_->known.emplace(key);
+}
 
 void OptionTable::finish() const {
   state_->finish();

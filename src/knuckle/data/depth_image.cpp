@@ -24,9 +24,10 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
   std::ranges::transform(depth_mm.pixels(), counts.pixels().begin(), [&](float depth) -> std::uint16_t {
     if (!(depth > 0)) return 0;
     const double count = std::round(depth / unit_mm);
-    if (count > kHighest)
+    if (count > kHighest) {
       fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, depth,
            kHighest * unit_mm, unit_mm);
+    }
     return static_cast<std::uint16_t>(count);
   });
   return counts;

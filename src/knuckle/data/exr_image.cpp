@@ -51,6 +51,18 @@ Image<float> read_channel(const std::string& name) {
   return image;
 }
 
+void write_channel(const std::filesystem::path& path, const Image<float>& image) {
+  Imf::Header header(image.width(), image.height());
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.channels().insert("R", Imf::Channel(Imf::FLOAT));
+  Image<float> pixels = image;  // the library takes no constant memory
+  Imf::FrameBuffer buffer;
+  buffer.insert("R", slice_of(pixels, 0, 0));
+  Imf::OutputFile file(path.c_str(), header, 1);
+  file.setFrameBuffer(buffer);
+  file.writePixels(image.height());
+}
+
 }  // namespace
 
 Image<float> read_exr(const std::filesystem::path& path) {
@@ -65,15 +77,11 @@ Image<float> read_exr(const std::filesystem::path& path) {
 
 void write_exr(const std::filesystem::path& path, const Image<float>& image) {
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    Imf::Header header(image.width(), image.height());
-    header.compression() = Imf::ZIP_COMPRESSION;
-    header.channels().insert("R", Imf::Channel(Imf::FLOAT));
-    Image<float> pixels = image;  // the library takes no constant memory
-    Imf::FrameBuffer buffer;
-    buffer.insert("R", slice_of(pixels, 0, 0));
-    Imf::OutputFile file(temporary.c_str(), header, 1);
-    file.setFrameBuffer(buffer);
-    file.writePixels(image.height());
+    try {
+      write_channel(temporary, image);
+    } catch (const std::exception& error) {
+      fail("{}: cannot write: {}", path.string(), error.what());
+    }
   });
 }
 

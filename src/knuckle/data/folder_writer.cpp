@@ -47,9 +47,10 @@ void FolderWriter::keep_truth(std::int64_t index, const std::optional<HandPose>&
   const std::lock_guard lock(mutex_);
   if (truth) {
     if (!convention_) convention_ = truth->convention;
-    if (truth->convention != *convention_)
+    if (truth->convention != *convention_) {
       fail("{}: frame {} is labelled in {}, frames before in {}", folder_.string(), index,
            truth->convention.name, convention_->name);
+    }
   }
   truth_[index] = truth;
 }
@@ -73,9 +74,10 @@ std::string FolderWriter::joints_as_text() const {
 void FolderWriter::finish() {
   ledger_.require_complete();
   const auto images = static_cast<std::int64_t>(list_files(folder_ / "depth", "", ".png").size());
-  if (images != ledger_.size())
+  if (images != ledger_.size()) {
     fail("{}: holds {} images, {} were written; the others are of an earlier run: remove them",
          (folder_ / "depth").string(), images, ledger_.size());
+  }
   const std::lock_guard lock(mutex_);
   if (convention_) write_text_file(folder_ / "joints.txt", joints_as_text());
   write_text_file(folder_ / "dataset.toml",

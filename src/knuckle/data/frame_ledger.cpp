@@ -13,9 +13,10 @@ using Lock = std::lock_guard<std::mutex>;
 template <class T>
 void require_camera_size(const Image<T>& image, const Camera& camera, std::string_view what,
                          std::string_view where) {
-  if (image.width() != camera.width || image.height() != camera.height)
+  if (image.width() != camera.width || image.height() != camera.height) {
     fail("{}: its {} image is {}x{} pixels, its camera {}x{}", where, what, image.width(), image.height(),
          camera.width, camera.height);
+  }
 }
 
 FrameLayout checked_layout(const Frame& frame, std::string_view where) {

@@ -48,9 +48,10 @@ Camera read_camera(const Hdf5File& file) {
   camera.cx = file.number_attribute("cx");
   camera.cy = file.number_attribute("cy");
   const std::vector<double> distortion = file.numbers_attribute("distortion");
-  if (distortion.size() != camera.distortion.size())
+  if (distortion.size() != camera.distortion.size()) {
     fail("{}: the attribute 'distortion' has {} numbers, expected {}", name, distortion.size(),
          camera.distortion.size());
+  }
   std::ranges::copy(distortion, camera.distortion.begin());
   try {
     check(camera);

@@ -33,9 +33,10 @@ Frame Hands17Source::read(std::int64_t index) const {
   const Image<std::uint16_t> counts = read_png16(entry.path);
   require_size(counts, kCamera.width, kCamera.height, entry.path);
   frame.depth_mm = depth_from_counts(counts, 1.0);
-  if (images_.has_labels())
+  if (images_.has_labels()) {
     frame.truth =
         known_or_nothing(pose_from_camera(convention_from_name("hands21"), entry.numbers, projection_));
+  }
   return frame;
 }
 

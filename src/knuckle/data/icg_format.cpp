@@ -50,9 +50,10 @@ fs::path find_icg_calibration(const fs::path& folder) {
   for (fs::path above = fs::absolute(folder).lexically_normal();; above = above.parent_path()) {
     for (const std::string_view name : kIcgCalibrationNames)
       if (fs::is_regular_file(above / name)) return above / name;
-    if (above == above.root_path())
+    if (above == above.root_path()) {
       fail("{}: neither {} nor {} is in this folder or one above", folder.string(), kIcgCalibrationNames[0],
            kIcgCalibrationNames[1]);
+    }
   }
 }
 
@@ -60,9 +61,10 @@ Camera read_icg_calibration(const fs::path& path) {
   constexpr std::size_t kIntrinsics = 4;
   Camera camera;
   const std::vector<double> numbers = parse_numbers(read_text_file(path), path.string());
-  if (numbers.size() < kIntrinsics || numbers.size() > kIntrinsics + camera.distortion.size())
+  if (numbers.size() < kIntrinsics || numbers.size() > kIntrinsics + camera.distortion.size()) {
     fail("{}: has {} numbers, expected fx fy cx cy and up to {} of distortion", path.string(), numbers.size(),
          camera.distortion.size());
+  }
   camera.fx = numbers[0];
   camera.fy = numbers[1];
   camera.cx = numbers[2];
@@ -79,7 +81,6 @@ Camera read_icg_calibration(const fs::path& path) {
 }
 
 std::string icg_calibration_text(const Camera& camera) {
-  if (camera.model != CameraModel::projective) fail("the icg format holds projective cameras only");
   const Camera stored = with_pixel_origin(camera, PixelOrigin::centre, PixelOrigin::corner);
   std::string text = fmt::format("{} {}\n{} {}\n", stored.fx, stored.fy, stored.cx, stored.cy);
   if (stored.is_distorted()) text += fmt::format("{}\n", fmt::join(stored.distortion, " "));

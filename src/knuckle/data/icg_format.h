@@ -36,7 +36,7 @@ std::filesystem::path find_icg_calibration(const std::filesystem::path& folder);
 /// from the pixel's corner. Width and height are not in the file and stay 0.
 Camera read_icg_calibration(const std::filesystem::path& path);
 
-/// The text of such a file. Throws an Error for an orthographic camera, which the file cannot express.
+/// The text of such a file, of a projective camera.
 std::string icg_calibration_text(const Camera& camera);
 
 }  // namespace knuckle

@@ -83,9 +83,10 @@ void IcgSource::choose_annotators(std::vector<std::string> found) {
     std::ranges::stable_sort(annotators_, {}, rank_of);
     return;
   }
-  if (std::ranges::find(found, options_.annotator) == found.end())
+  if (std::ranges::find(found, options_.annotator) == found.end()) {
     fail("{}: has no labels by '{}'; there are labels by: {}", folder_.string(), options_.annotator,
          joined(found));
+  }
   annotators_ = {options_.annotator};
 }
 

@@ -42,9 +42,10 @@ std::string annotation_text(const HandPose& truth) {
   const HandPose pose = with_pixel_origin(converted(truth, convention_from_name("icg20")),
                                           PixelOrigin::centre, PixelOrigin::corner);
   std::string text;
-  for (const ImagePoint& joint : pose.joints)
+  for (const ImagePoint& joint : pose.joints) {
     text +=
         joint.is_missing() ? "nan nan nan\n" : fmt::format("{} {} {}\n", joint.u, joint.v, joint.depth_mm);
+  }
   return text;
 }
 
@@ -58,6 +59,8 @@ IcgWriter::IcgWriter(fs::path folder, const FrameWriterOptions& options)
 }
 
 void IcgWriter::write(std::int64_t index, const Frame& frame) {
+  if (frame.camera.model != CameraModel::projective)
+    fail("{}: frame {}: the icg format holds projective cameras only", folder_.string(), index);
   ledger_.enter(index, frame);
   const std::string stem = fmt::format("{:08}_0", index);  // no time stamp is known
   write_exr(folder_ / (stem + "_depth_0002.exr"), depth_in_metres(frame.depth_mm));

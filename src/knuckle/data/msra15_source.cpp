@@ -35,14 +35,16 @@ Header parse_header(const std::string& bytes, const fs::path& path) {
   Header header{};
   if (bytes.size() < sizeof(header)) fail("{}: is cut short, {} bytes", path.string(), bytes.size());
   std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.width != kCamera.width || header.height != kCamera.height)
+  if (header.width != kCamera.width || header.height != kCamera.height) {
     fail("{}: is {}x{} pixels, expected {}x{}", path.string(), header.width, header.height, kCamera.width,
          kCamera.height);
+  }
   const bool is_box = header.left >= 0 && header.left <= header.right && header.right <= header.width &&
                       header.top >= 0 && header.top <= header.bottom && header.bottom <= header.height;
-  if (!is_box)
+  if (!is_box) {
     fail("{}: the box [{}, {}) x [{}, {}) does not lie in the image", path.string(), header.left,
          header.right, header.top, header.bottom);
+  }
   const std::size_t box_area =
       static_cast<std::size_t>(header.right - header.left) * (header.bottom - header.top);
   const std::size_t expected = sizeof(header) + box_area * sizeof(float);

@@ -24,11 +24,13 @@ class PixelPairFeatures {
  public:
   using Feature = PixelPair;
 
-  /// A copy of some samples, pixel-major: pixel p of sample i lies at p * stride + i. The values of a
-  /// candidate are then the difference of two contiguous rows.
+  /// A copy of some samples, in chunks of `chunk_samples`, each pixel-major: pixel p of the i-th sample of
+  /// chunk c lies at (c * pixel_count + p) * chunk_samples + i. The values of a candidate are then the
+  /// difference of two contiguous rows, and a chunk spans few enough memory pages to be written fast.
   struct Block {
     std::size_t sample_count = 0;
-    std::size_t stride = 0;
+    std::size_t pixel_count = 0;
+    std::size_t chunk_samples = 0;
     std::vector<std::int16_t> pixels;
   };
   /// Calls its second argument for 0, ..., count - 1: parallel_for, or a plain loop.

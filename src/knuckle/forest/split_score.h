@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
 #include "knuckle/forest/scoring_targets.h"
+#include "knuckle/forest/simd.h"
 
 namespace knuckle {
 
@@ -28,7 +30,8 @@ struct BinSplit {
 /// counts the samples.
 template <int kLanes>
 class VarianceStatistics {
-  static_assert(kLanes % 8 == 0, "whole SIMD registers");
+  static_assert(kLanes % kSimdLanes == 0, "whole SIMD registers");
+  static constexpr std::size_t kRegisters = kLanes / kSimdLanes;
 
  public:
   static constexpr int kMostDimensions = kLanes - 1;
@@ -36,7 +39,7 @@ class VarianceStatistics {
 
   /// One sum of rows for each bin.
   struct Histogram {
-    std::array<std::int32_t, static_cast<std::size_t>(kLanes) * kMostBins> sums;
+    std::array<std::array<Int32x8, kRegisters>, kMostBins> sums;
   };
 
   /// The targets of one node's samples, ready for scoring. At most 65535 of them: sums then fit 32 bits.
@@ -49,12 +52,12 @@ class VarianceStatistics {
     BinSplit best_split(const std::uint8_t* bins, int bin_count, int min_samples, Histogram& histogram) const;
 
    private:
-    float gain(const std::int32_t* left) const;
+    float gain(const std::array<Int32x8, kRegisters>& left) const;
 
     std::size_t count_ = 0;
-    std::vector<std::int16_t> rows_;    // count_ x kLanes; lane 0 is 1, unused lanes are 0
-    std::array<float, kLanes> mean_{};  // what the rounding of the mean left; 1 in lane 0
-    std::vector<float> weight_;         // n / (n_l n_r) for each n_l
+    std::vector<std::array<Int32x8, kRegisters>> rows_;  // one a sample; lane 0 is 1, unused lanes are 0
+    std::array<Float32x8, kRegisters> mean_{};           // what the rounding of the mean left; 1 in lane 0
+    std::vector<float> weight_;                          // n / (n_l n_r) for each n_l
   };
 
   explicit VarianceStatistics(const ScoringTargets& targets) : targets_(&targets) {}
@@ -74,25 +77,24 @@ void VarianceStatistics<kLanes>::Node::assign(const ScoringTargets& targets,
     const std::int16_t* row = targets.row(sample);
     for (int d = 0; d < targets.dimensions; ++d) sum[static_cast<std::size_t>(d)] += row[d];
   }
-  std::array<std::int16_t, kLanes> centre{};
-  mean_.fill(0.0F);
-  mean_[0] = 1.0F;
+  std::array<std::int32_t, kLanes> centre{};
+  std::array<float, kLanes> mean{1.0F};
   for (int d = 0; d < targets.dimensions; ++d) {
     const std::int64_t total = sum[static_cast<std::size_t>(d)];
     const std::int64_t rounded = total / count;
-    centre[static_cast<std::size_t>(d)] = static_cast<std::int16_t>(rounded);
-    mean_[static_cast<std::size_t>(d) + 1] =
+    centre[static_cast<std::size_t>(d)] = static_cast<std::int32_t>(rounded);
+    mean[static_cast<std::size_t>(d) + 1] =
         static_cast<float>(total - rounded * count) / static_cast<float>(count);
   }
-  rows_.assign(count_ * kLanes, 0);
-  std::int16_t* target = rows_.data();
-  for (const std::uint32_t sample : samples) {
-    const std::int16_t* row = targets.row(sample);
-    target[0] = 1;
+  std::memcpy(mean_.data(), mean.data(), sizeof(mean));
+  rows_.resize(count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::int16_t* row = targets.row(samples[i]);
+    std::array<std::int32_t, kLanes> centred{1};
     for (int d = 0; d < targets.dimensions; ++d) {
-      target[d + 1] = static_cast<std::int16_t>(row[d] - centre[static_cast<std::size_t>(d)]);
+      centred[static_cast<std::size_t>(d) + 1] = row[d] - centre[static_cast<std::size_t>(d)];
     }
-    target += kLanes;
+    std::memcpy(&rows_[i], centred.data(), sizeof(centred));
   }
   weight_.assign(count_ + 1, 0.0F);
   for (std::size_t left = 1; left < count_; ++left) {
@@ -102,40 +104,34 @@ void VarianceStatistics<kLanes>::Node::assign(const ScoringTargets& targets,
 }
 
 template <int kLanes>
-float VarianceStatistics<kLanes>::Node::gain(const std::int32_t* left) const {
-  const auto count = static_cast<float>(left[0]);
-  std::array<float, 8> squares{};
-  for (std::size_t lane = 0; lane < kLanes; lane += 8) {
-    for (std::size_t i = 0; i < 8; ++i) {
-      const float deviation = static_cast<float>(left[lane + i]) - count * mean_[lane + i];  // 0 in lane 0
-      squares[i] += deviation * deviation;
-    }
+float VarianceStatistics<kLanes>::Node::gain(const std::array<Int32x8, kRegisters>& left) const {
+  const std::int32_t count = left[0][0];
+  Float32x8 squares{};
+  for (std::size_t i = 0; i < kRegisters; ++i) {
+    const Float32x8 deviation = to_float(left[i]) - static_cast<float>(count) * mean_[i];  // 0 in lane 0
+    squares += deviation * deviation;
   }
-  const float sum = ((squares[0] + squares[4]) + (squares[2] + squares[6])) +
-                    ((squares[1] + squares[5]) + (squares[3] + squares[7]));
-  return sum * weight_[static_cast<std::size_t>(left[0])];
+  return lane_sum(squares) * weight_[static_cast<std::size_t>(count)];
 }
 
 template <int kLanes>
 BinSplit VarianceStatistics<kLanes>::Node::best_split(const std::uint8_t* bins, int bin_count,
                                                       int min_samples, Histogram& histogram) const {
-  std::int32_t* const sums = histogram.sums.data();
-  std::fill_n(sums, static_cast<std::size_t>(bin_count) * kLanes, 0);
-  const std::int16_t* row = rows_.data();
-  for (std::size_t i = 0; i < count_; ++i, row += kLanes) {
-    std::int32_t* __restrict const sum = sums + static_cast<std::size_t>(bins[i]) * kLanes;
-    for (int lane = 0; lane < kLanes; ++lane) sum[lane] += row[lane];
+  std::fill_n(histogram.sums.begin(), bin_count, std::array<Int32x8, kRegisters>{});
+  for (std::size_t i = 0; i < count_; ++i) {
+    std::array<Int32x8, kRegisters>& sum = histogram.sums[bins[i]];
+    for (std::size_t r = 0; r < kRegisters; ++r) sum[r] += rows_[i][r];
   }
   BinSplit best;
   const auto most_left = static_cast<std::int32_t>(count_) - min_samples;
-  std::array<std::int32_t, kLanes> left{};
+  std::array<Int32x8, kRegisters> left{};
   for (int bin = 0; bin + 1 < bin_count; ++bin) {
-    const std::int32_t* const sum = sums + static_cast<std::size_t>(bin) * kLanes;
-    if (sum[0] == 0) continue;  // the same split as the one before
-    for (std::size_t lane = 0; lane < kLanes; ++lane) left[lane] += sum[lane];
-    if (left[0] < min_samples) continue;
-    if (left[0] > most_left) break;
-    const float gained = gain(left.data());
+    const std::array<Int32x8, kRegisters>& sum = histogram.sums[static_cast<std::size_t>(bin)];
+    if (sum[0][0] == 0) continue;  // the same split as the one before
+    for (std::size_t r = 0; r < kRegisters; ++r) left[r] += sum[r];
+    if (left[0][0] < min_samples) continue;
+    if (left[0][0] > most_left) break;
+    const float gained = gain(left);
     if (gained > best.gain) best = {bin + 1, gained};
   }
   return best;

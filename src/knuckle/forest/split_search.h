@@ -52,6 +52,13 @@ inline void serial_for(std::int64_t count, const std::function<void(std::int64_t
   for (std::int64_t i = 0; i < count; ++i) work(i);
 }
 
+/// Bins that a candidate's values are parted into in a node of `samples` scored samples: half as many as
+/// samples, so that the cost of a small node falls with its size, and at most options.threshold_bins.
+inline int bins_for(const TreeOptions& options, std::size_t samples) {
+  return static_cast<int>(
+      std::clamp<std::size_t>(samples / 2, 2, static_cast<std::size_t>(options.threshold_bins)));
+}
+
 /// Finds the best split of one node after another; keeps its working memory.
 ///
 /// The floor: a candidate costs each sample two loads and a difference (SIMD, contiguous), its bin (SIMD),
@@ -114,7 +121,7 @@ auto SplitSearch<Features, Statistics>::best_of(std::span<const Feature> candida
   NodeSplit<Feature> best;
   for (const Feature& candidate : candidates) {
     Features::values(block_, candidate, values.data());
-    const ValueBins parts(values, options.threshold_bins);
+    const ValueBins parts(values, bins_for(options, samples));
     if (parts.count() < 2) continue;
     parts.assign(values, bins.data());
     const BinSplit split = node_.best_split(bins.data(), parts.count(), options.min_leaf_samples, histogram);

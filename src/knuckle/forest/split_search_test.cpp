@@ -102,7 +102,7 @@ void expect_best_split(int sample_count, int target_count, int min_leaf_samples)
     const PixelPair pair = features.draw(again, i, options.splits_per_node);
     std::vector<std::int16_t> values;
     for (const std::uint32_t s : order) values.push_back(features.value(s, pair));
-    const ValueBins parts(values, options.threshold_bins);
+    const ValueBins parts(values, bins_for(options, order.size()));
     for (int bin = 1; bin < parts.count(); ++bin) {
       std::vector<std::uint32_t> side[2];
       for (std::size_t s = 0; s < order.size(); ++s)

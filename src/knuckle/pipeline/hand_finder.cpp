@@ -82,7 +82,8 @@ std::optional<Point3> true_start(const Frame& frame) {
   static constexpr std::array kAroundPalm = {wrist, thumb_cmc, index_mcp, middle_mcp, ring_mcp, little_mcp};
   if (!frame.truth) return std::nullopt;
   for (const std::span<const Landmark> wanted :
-       {std::span<const Landmark>(kPalm), std::span<const Landmark>(kAroundPalm), frame.truth->convention.landmarks}) {
+       {std::span<const Landmark>(kPalm), std::span<const Landmark>(kAroundPalm),
+        frame.truth->convention.landmarks}) {
     if (const auto centre = mean_of(known_joints(frame, wanted))) return centre;
   }
   return std::nullopt;

@@ -25,14 +25,15 @@ class HandFinder {
  public:
   /// Reads the two tables of a pipeline's document. The caller finishes the document.
   explicit HandFinder(const OptionTable& document);
-  /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are wrong.
+  /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are
+  /// wrong.
   static HandFinder load(const std::filesystem::path& path);
 
   const HandOptions& hand() const { return hand_; }
   const std::string& method() const { return method_; }
 
-  /// Regions in the frame's own image, also for a left hand (which the segmenter sees in a mirror). `start` is in
-  /// camera coordinates.
+  /// Regions in the frame's own image, also for a left hand (which the segmenter sees in a mirror). `start`
+  /// is in camera coordinates.
   Segmentation find(const Frame& frame, const std::optional<Point3>& start) const;
   /// The same for a frame that already shows a right hand.
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start) const;
@@ -48,9 +49,9 @@ HandRegion mirrored(const HandRegion& region, int width);
 /// A point in the coordinates of the mirrored camera.
 std::optional<Point3> mirrored(const std::optional<Point3>& point);
 
-/// Where segmentation starts when it is told the truth, as in the paper's evaluation of pose estimation: the true palm,
-/// or the mean of the known joints of the wrist and the bases of the digits where the palm is not labelled, or of all joints.
-/// Nothing where the frame has no truth.
+/// Where segmentation starts when it is told the truth, as in the paper's evaluation of pose estimation: the
+/// true palm, or the mean of the known joints of the wrist and the bases of the digits where the palm is not
+/// labelled, or of all joints. Nothing where the frame has no truth.
 std::optional<Point3> true_start(const Frame& frame);
 
 }  // namespace knuckle

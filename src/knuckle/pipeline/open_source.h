@@ -10,8 +10,8 @@
 
 namespace knuckle {
 
-/// Opens any source, `KIND:PATH[?key=value&...]`: a data set on disk, or `synthetic:manifest.toml`. Throws an Error that
-/// lists the kinds where it is none of them.
+/// Opens any source, `KIND:PATH[?key=value&...]`: a data set on disk, or `synthetic:manifest.toml`. Throws an
+/// Error that lists the kinds where it is none of them.
 std::unique_ptr<FrameSource> open_source(std::string_view text);
 
 /// Names of all kinds of source.

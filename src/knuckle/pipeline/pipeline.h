@@ -45,12 +45,14 @@ class Pipeline {
   /// The convention of all poses: the model's.
   Convention convention() const { return estimator_->convention(); }
 
-  /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in camera
-  /// coordinates [mm]. Safe to call from many threads.
+  const HandOptions& hand() const { return finder_.hand(); }
+
+  /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
+  /// camera coordinates [mm]. Safe to call from many threads.
   FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
 
  private:
-  explicit Pipeline(const OptionTable& document);
+  explicit Pipeline(const OptionTable& document);  // leaves it to `load` to finish the document
   FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
 

@@ -73,7 +73,8 @@ std::string boxes_csv(std::span<const FrameSegmentation> frames) {
   std::string csv = "frame,found,x,y,width,height,milliseconds\n";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& [found, box, milliseconds] = frames[i];
-    csv += fmt::format("{},{},{},{},{},{},{:.3f}\n", i, found ? 1 : 0, box.x, box.y, box.width, box.height, milliseconds);
+    csv += fmt::format("{},{},{},{},{},{},{:.3f}\n", i, found ? 1 : 0, box.x, box.y, box.width, box.height,
+                       milliseconds);
   }
   return csv;
 }
@@ -81,20 +82,25 @@ std::string boxes_csv(std::span<const FrameSegmentation> frames) {
 std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipeline& pipeline, Start start,
                                         std::string_view source_name) {
   require_start(source, start, source_name);
-  return process_all<FrameEstimate>(
-      source, "estimate", [&](const Frame& frame) { return pipeline.estimate(frame, start_in(frame, start)); });
+  return process_all<FrameEstimate>(source, "estimate", [&](const Frame& frame) {
+    return pipeline.estimate(frame, start_in(frame, start));
+  });
 }
 
-std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Convention& convention, int rank) {
+std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Convention& convention,
+                               int rank) {
   std::vector<HandPose> poses;
   for (const FrameEstimate& frame : frames) {
     const bool has_hand = rank < static_cast<int>(frame.hands.size());
-    poses.push_back(has_hand ? frame.hands[static_cast<std::size_t>(rank)].pose : HandPose::missing(convention));
+    poses.push_back(has_hand ? frame.hands[static_cast<std::size_t>(rank)].pose
+                             : HandPose::missing(convention));
   }
   return poses;
 }
 
-double median_ms(std::span<const FrameEstimate> frames) { return median_over(frames, [](const StageTimes& t) { return t.total_ms(); }); }
+double median_ms(std::span<const FrameEstimate> frames) {
+  return median_over(frames, [](const StageTimes& t) { return t.total_ms(); });
+}
 
 std::string summary_json(std::span<const FrameEstimate> frames, std::string_view source_name,
                          const Convention& convention) {
@@ -102,12 +108,14 @@ std::string summary_json(std::span<const FrameEstimate> frames, std::string_view
   summary["source"] = source_name;
   summary["convention"] = convention.name;
   summary["frames"] = frames.size();
-  summary["found"] = std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
-  summary["median_ms"] = {{"segment", median_over(frames, [](const StageTimes& t) { return t.segment_ms; })},
-                          {"patch", median_over(frames, [](const StageTimes& t) { return t.patch_ms; })},
-                          {"estimate", median_over(frames, [](const StageTimes& t) { return t.estimate_ms; })},
-                          {"refine", median_over(frames, [](const StageTimes& t) { return t.refine_ms; })},
-                          {"total", median_ms(frames)}};
+  summary["found"] =
+      std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
+  summary["median_ms"] = {
+      {"segment", median_over(frames, [](const StageTimes& t) { return t.segment_ms; })},
+      {"patch", median_over(frames, [](const StageTimes& t) { return t.patch_ms; })},
+      {"estimate", median_over(frames, [](const StageTimes& t) { return t.estimate_ms; })},
+      {"refine", median_over(frames, [](const StageTimes& t) { return t.refine_ms; })},
+      {"total", median_ms(frames)}};
   summary["frames_without_hand"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].hands.empty()) {

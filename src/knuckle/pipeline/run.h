@@ -31,8 +31,8 @@ struct FrameSegmentation {
   double milliseconds = 0.0;
 };
 
-/// Segments all frames of a source on all threads. Throws an Error that names the source where it has no truth to
-/// start from.
+/// Segments all frames of a source on all threads. Throws an Error that names the source where it has no
+/// truth to start from.
 std::vector<FrameSegmentation> segment_all(const FrameSource& source, const HandFinder& finder, Start start,
                                            std::string_view source_name);
 
@@ -44,7 +44,8 @@ std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipelin
                                         std::string_view source_name);
 
 /// The poses of the `rank`-th best hand of each frame (0 is the best); missing where a frame has fewer.
-std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Convention& convention, int rank = 0);
+std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Convention& convention,
+                               int rank = 0);
 
 /// The median time that the pipeline took for a frame [ms].
 double median_ms(std::span<const FrameEstimate> frames);

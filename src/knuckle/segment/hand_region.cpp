@@ -52,14 +52,15 @@ double pixel_area_mm2(const Camera& camera, double depth_mm) {
                                                    : area_at_unit_depth * depth_mm * depth_mm;
 }
 
-double area_mm2(const std::vector<std::int32_t>& pixels, const Frame& frame) {
+double area_mm2(const std::vector<std::int32_t>& pixels, const Camera& camera, const Image<float>& depth_mm) {
   double area = 0.0;
-  for (const std::int32_t pixel : pixels) area += pixel_area_mm2(frame.camera, frame.depth_mm.data()[pixel]);
+  for (const std::int32_t pixel : pixels) area += pixel_area_mm2(camera, depth_mm.data()[pixel]);
   return area;
 }
 
 void check_max_hands(int max_hands) {
-  if (max_hands < 1 || max_hands > kMostHands) fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);
+  if (max_hands < 1 || max_hands > kMostHands)
+    fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);
 }
 
 void check_start(const Frame& frame, const std::optional<Point3>& start) {

@@ -11,8 +11,8 @@ namespace {
 
 using Lanes = Eigen::Array<float, PointCloud::kLanes, 1>;
 
-// Points farther from the centre than this many bandwidths change it by less than 0.001 mm even where there are
-// surfaces all around: beyond R a plane has the share (1 + R/h) exp(-R/h) = 7e-7 of the kernel's mass.
+// Points farther from the centre than this many bandwidths change it by less than 0.001 mm even where there
+// are surfaces all around: beyond R a plane has the share (1 + R/h) exp(-R/h) = 7e-7 of the kernel's mass.
 constexpr double kReach = 17.0;
 // Points are gathered once for all centres within this many bandwidths of each other.
 constexpr double kGatherMargin = 4.0;
@@ -21,10 +21,12 @@ constexpr double kLongestStep = 0.5;  // [bandwidths]
 constexpr double kSmallestCurvature = 0.02;
 // D in single precision is that uncertain: two centres within rounding of each other count as equal.
 constexpr double kDensitySlack = 1e-5;
-constexpr int kBlock = 512;              // points summed in single precision
+constexpr int kBlock = 512;               // points summed in single precision
 constexpr float kSmallestRadius = 1e-6f;  // [mm] keeps 0 / 0 out of `spread` at a point of the cloud itself
 
-Lanes lanes(const Eigen::ArrayXf& values, int first) { return values.segment<PointCloud::kLanes>(first); }
+Lanes lanes(const Eigen::ArrayXf& values, int first) {
+  return values.segment<PointCloud::kLanes>(first);
+}
 
 /// One block's sums, kept apart by lane.
 struct LaneSums {
@@ -35,7 +37,8 @@ struct LaneSums {
   Lanes yy = Lanes::Zero(), yz = Lanes::Zero(), zz = Lanes::Zero();
 };
 
-LaneSums block_sums(const PointCloud& cloud, int first, int last, const Eigen::Array3f& centre, float inverse_h) {
+LaneSums block_sums(const PointCloud& cloud, int first, int last, const Eigen::Array3f& centre,
+                    float inverse_h) {
   LaneSums sums;
   for (int i = first; i < last; i += PointCloud::kLanes) {
     const Lanes dx = lanes(cloud.x, i) - centre.x();
@@ -62,7 +65,8 @@ LaneSums block_sums(const PointCloud& cloud, int first, int last, const Eigen::A
   return sums;
 }
 
-/// Newton's step towards the fixed point, or an ascending one where D is not concave; at most kLongestStep long.
+/// Newton's step towards the fixed point, or an ascending one where D is not concave; at most kLongestStep
+/// long.
 Eigen::Vector3d lengthened_step(const KernelSums& sums, double bandwidth_mm) {
   const Eigen::Vector3d step = sums.shift / sums.mass;
   const Eigen::Matrix3d curvature = Eigen::Matrix3d::Identity() - sums.spread / sums.mass;
@@ -127,7 +131,8 @@ KernelSums kernel_sums(const PointCloud& cloud, const Point3& centre, double ban
   return sums;
 }
 
-MeanShiftResult mean_shift(const PointsAround& points_around, const Point3& start, const MeanShiftOptions& options) {
+MeanShiftResult mean_shift(const PointsAround& points_around, const Point3& start,
+                           const MeanShiftOptions& options) {
   const double h = options.bandwidth_mm;
   MovingWindow window(points_around, h);
   MeanShiftResult result;

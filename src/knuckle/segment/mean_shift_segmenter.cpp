@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/segment/hand_region.h"
@@ -12,6 +16,9 @@
 
 namespace knuckle {
 namespace {
+
+constexpr double kSpeckleRadius = 3.0;  // [bandwidths]
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 std::optional<Point3> nearest_point(const Image<float>& depth_mm, const RayTable& rays) {
   const std::optional<NearestPixel> nearest = nearest_pixel(depth_mm);
@@ -35,11 +42,59 @@ std::vector<std::int32_t> pixels_within(const PointCloud& cloud, const Point3& c
   return pixels;
 }
 
-/// Takes the points within a ball out of a depth image.
-void take_out(Image<float>& depth_mm, const RayTable& rays, const Point3& centre, double radius_mm) {
-  for (const std::int32_t pixel : points_around(depth_mm, rays, centre, radius_mm).pixels) {
+struct Ball {
+  Point3 centre;
+  double radius_mm = 0.0;
+};
+
+void take_out(Image<float>& depth_mm, const RayTable& rays, const Ball& ball) {
+  for (const std::int32_t pixel : points_around(depth_mm, rays, ball.centre, ball.radius_mm).pixels) {
     depth_mm.data()[pixel] = 0.0f;
   }
+}
+
+/// What mean shift found from one start.
+struct Candidate {
+  std::optional<HandRegion> region;  ///< nothing where it is no hand
+  std::string reason;                ///< then why
+  Ball used;                         ///< to be taken out before the next candidate
+};
+
+/// Why a region of that area is no hand; empty where it may be one.
+std::string fault_of(double area, double min_area, double max_area) {
+  if (area == 0.0) return "no measurement near the start";
+  if (area < min_area)
+    return fmt::format("the surface found covers {:.0f} mm^2, a hand at least {:.0f}", area, min_area);
+  if (area > max_area)
+    return fmt::format("the surface found covers {:.0f} mm^2, a hand at most {:.0f}", area, max_area);
+  return "";
+}
+
+/// `depth_mm` is the frame's, without what was taken out.
+Candidate candidate_at(const Camera& camera, const Image<float>& depth_mm, const RayTable& rays,
+                       const Point3& start, double max_area_mm2, const MeanShiftSegmenterOptions& options) {
+  const auto points_near = [&](const Point3& centre, double radius_mm) {
+    return points_around(depth_mm, rays, centre, radius_mm);
+  };
+  const MeanShiftResult found = mean_shift(points_near, start, options.mean_shift);
+  const double h = options.mean_shift.bandwidth_mm;
+  const double reach_mm = -std::log(options.kernel_cutoff) * h;  // where the kernel falls below its cutoff
+  const std::vector<std::int32_t> pixels = pixels_within(found.cloud, found.centre, reach_mm);
+  const double area = area_mm2(pixels, camera, depth_mm);
+
+  Candidate candidate;
+  candidate.reason = fault_of(area, options.min_area_mm2, max_area_mm2);
+  if (!candidate.reason.empty()) {
+    // A trunk may have a hand in front of it: only the speckle at the start is taken out there.
+    candidate.used = area > max_area_mm2 ? Ball{start, kSpeckleRadius * h} : Ball{found.centre, reach_mm};
+    return candidate;
+  }
+  candidate.used = Ball{found.centre, reach_mm + options.separation_mm};
+  candidate.region = region_of_pixels(pixels, depth_mm.width());
+  candidate.region->centre = found.centre;
+  const double unbounded_plane = 2.0 * std::numbers::pi * h * h;
+  candidate.region->score = found.mass * pixel_area_mm2(camera, found.centre.z()) / unbounded_plane;
+  return candidate;
 }
 
 }  // namespace
@@ -48,6 +103,7 @@ void MeanShiftSegmenterOptions::visit(OptionVisitor& visitor) {
   mean_shift.visit(visitor);
   visitor.real("kernel_cutoff", kernel_cutoff, open_interval(0, 1));
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
+  visitor.real("max_area_mm2", max_area_mm2, open_closed(0, 1e6));
   visitor.real("separation_mm", separation_mm, closed(0, 1000));
   visitor.integer("max_candidates", max_candidates, closed(1, 1000));
 }
@@ -55,34 +111,13 @@ void MeanShiftSegmenterOptions::visit(OptionVisitor& visitor) {
 MeanShiftSegmenter::MeanShiftSegmenter(const MeanShiftSegmenterOptions& options, int max_hands)
     : options_(options), max_hands_(max_hands) {
   check_options(options_, "mean shift segmentation");
-  check_max_hands(max_hands);
-}
-
-double MeanShiftSegmenter::reach_mm() const {
-  return -std::log(options_.kernel_cutoff) * options_.mean_shift.bandwidth_mm;
-}
-
-MeanShiftSegmenter::Candidate MeanShiftSegmenter::candidate_at(const Frame& frame, const Image<float>& depth_mm,
-                                                               const RayTable& rays, const Point3& start) const {
-  const auto points_near = [&](const Point3& centre, double radius_mm) {
-    return points_around(depth_mm, rays, centre, radius_mm);
-  };
-  const MeanShiftResult found = mean_shift(points_near, start, options_.mean_shift);
-  Candidate candidate;
-  candidate.centre = found.centre;
-  const std::vector<std::int32_t> pixels = pixels_within(found.cloud, found.centre, reach_mm());
-  const double area = area_mm2(pixels, frame);
-  if (pixels.empty() || area < options_.min_area_mm2) {
-    candidate.reason = pixels.empty() ? "no measurement near the start"
-                                      : fmt::format("what is there covers {:.0f} mm^2, a hand at least {:.0f} mm^2",
-                                                    area, options_.min_area_mm2);
-    return candidate;
+  if (options_.min_area_mm2 > options_.max_area_mm2) {
+    fail(
+        "mean shift segmentation: min_area_mm2 is {} and max_area_mm2 {}, expected min_area_mm2 <= "
+        "max_area_mm2",
+        options_.min_area_mm2, options_.max_area_mm2);
   }
-  const double h = options_.mean_shift.bandwidth_mm;
-  candidate.region = region_of_pixels(pixels, depth_mm.width());
-  candidate.region->centre = found.centre;
-  candidate.region->score = found.mass * pixel_area_mm2(frame.camera, found.centre.z()) / (2 * std::numbers::pi * h * h);
-  return candidate;
+  check_max_hands(max_hands);
 }
 
 Segmentation MeanShiftSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
@@ -99,13 +134,14 @@ Segmentation MeanShiftSegmenter::segment(const Frame& frame, const std::optional
     const bool is_start_given = start && i == 0;
     const std::optional<Point3> from = is_start_given ? start : nearest_point(depth_mm, *rays);
     if (!from) break;
-    Candidate candidate = candidate_at(frame, depth_mm, *rays, *from);
+    Candidate candidate = candidate_at(frame.camera, depth_mm, *rays, *from,
+                                       is_start_given ? kNoBound : options_.max_area_mm2, options_);
     const bool is_hand = candidate.region.has_value();
+    result.reason = candidate.reason;
     if (is_hand) result.hands.push_back(*std::move(candidate.region));
-    result.reason = is_hand ? "" : candidate.reason;
     if (std::ssize(result.hands) == max_hands_ || (is_start_given && !is_hand)) break;
     if (rest.empty()) rest = frame.depth_mm;
-    take_out(rest, *rays, candidate.centre, reach_mm() + (is_hand ? options_.separation_mm : 0.0));
+    take_out(rest, *rays, candidate.used);
   }
   if (!result.hands.empty()) result.reason.clear();
   std::ranges::stable_sort(result.hands, std::greater{}, &HandRegion::score);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "knuckle/segment/mean_shift.h"
 #include "knuckle/segment/ray_cache.h"
@@ -10,25 +9,33 @@
 
 namespace knuckle {
 
-/// Mean-shift hand segmentation (Riegler et al. 2015, eq. 2): the hand is what lies within the kernel's reach of the
-/// fixed point found from the start.
+/// Mean-shift hand segmentation (Riegler et al. 2015, eq. 2): the hand is what lies within the kernel's reach
+/// of the fixed point found from the start.
 struct MeanShiftSegmenterOptions {
   MeanShiftOptions mean_shift;
-  double kernel_cutoff = 1e-5;    ///< A point is hand where exp(-|x - centre| / h) exceeds this, (0, 1): 155 mm
-  double min_area_mm2 = 1500.0;   ///< Smaller regions are no hands, [0, 1e6] [mm^2]; a fist seen end-on has 3000
-  double separation_mm = 50.0;    ///< Points that near to a region found belong to no other hand, [0, 1000] [mm]
-  int max_candidates = 20;        ///< Nearest places tried before giving up, [1, 1000]
+  double kernel_cutoff = 1e-5;  ///< A point is hand where exp(-|x - centre| / h) exceeds this, (0, 1): 155 mm
+  double min_area_mm2 =
+      1500.0;  ///< Smaller regions are no hands, [0, 1e6] [mm^2]; a fist seen end-on has 3000
+  double max_area_mm2 =
+      40000.0;  ///< Larger ones neither, (0, 1e6] [mm^2]; a spread hand and its wrist have 22000
+  double separation_mm =
+      50.0;                 ///< Points that near to a region found belong to no other hand, [0, 1000] [mm]
+  int max_candidates = 10;  ///< Nearest places tried before giving up, [1, 1000]
 
   void visit(OptionVisitor& visitor);
 };
 
-/// Starts at the given point, or at the nearest pixel after a 5x5 median (nearest_pixel.h). A region whose area (of its
-/// pixels, each taken parallel to the image) is below `min_area_mm2` is no hand: a speckle nearer than the hand. Where
-/// no start was given, such a region is taken out and the search goes on at the nearest pixel of the rest. For further
-/// hands the regions found are taken out with all points within `separation_mm` of their ball.
+/// Starts at the given point, or at the nearest pixel after a 5x5 median (nearest_pixel.h). What it finds is
+/// no hand where its area (of its pixels, each taken parallel to the image) is below `min_area_mm2`: a
+/// speckle nearer than the hand. Nor above `max_area_mm2`: the trunk of a body, or a wall, that a speckle
+/// beside it led to. Where no start was given, the speckle is then taken out and the search goes on at the
+/// nearest pixel of the rest; a given start is trusted: the upper bound does not hold there, and nothing else
+/// is tried in its place. For further hands the regions found are taken out with all points within
+/// `separation_mm` of their ball.
 ///
 /// Score: the kernel-weighted area over that of an unbounded plane through the centre, facing the camera
-/// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse measurements.
+/// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse
+/// measurements.
 class MeanShiftSegmenter final : public Segmenter {
  public:
   /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
@@ -38,17 +45,6 @@ class MeanShiftSegmenter final : public Segmenter {
   Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const override;
 
  private:
-  /// What mean shift found from one start.
-  struct Candidate {
-    Point3 centre;
-    std::optional<HandRegion> region;  ///< nothing where it is no hand
-    std::string reason;                ///< then why
-  };
-
-  double reach_mm() const;
-  Candidate candidate_at(const Frame& frame, const Image<float>& depth_mm, const RayTable& rays,
-                         const Point3& start) const;
-
   MeanShiftSegmenterOptions options_;
   int max_hands_;
   mutable RayCache ray_cache_;

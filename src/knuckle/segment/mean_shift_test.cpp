@@ -101,7 +101,8 @@ TEST(KernelSums, GradientOfTheDensityIsTheShiftOverTheSquaredBandwidth) {
   const KernelSums sums = kernel_sums(cloud, centre, h);
   for (int axis = 0; axis < 3; ++axis) {
     const Point3 offset = step * Point3::Unit(axis);
-    const double difference = kernel_sums(cloud, centre + offset, h).density - kernel_sums(cloud, centre - offset, h).density;
+    const double difference =
+        kernel_sums(cloud, centre + offset, h).density - kernel_sums(cloud, centre - offset, h).density;
     EXPECT_NEAR(difference / (2 * step), sums.shift[axis] / (h * h), 2e-3 * sums.mass / h) << axis;
   }
 }
@@ -111,8 +112,8 @@ TEST(MeanShift, FindsTheFixedPointOfTheBruteForceReference) {
     const Frame frame = testing::hand_frame(seed, 12000);
     const RayTable rays(frame.camera);
     const NearestPixel nearest = *nearest_pixel(frame.depth_mm);
-    const Point3 start = Projection(frame.camera).to_camera(
-        {double(nearest.column), double(nearest.row), nearest.depth_mm});
+    const Point3 start =
+        Projection(frame.camera).to_camera({double(nearest.column), double(nearest.row), nearest.depth_mm});
     const Reference expected = brute_force(points_of(frame), start, 13.5);
     const auto around = [&](const Point3& centre, double radius) {
       return points_around(frame.depth_mm, rays, centre, radius);
@@ -120,9 +121,9 @@ TEST(MeanShift, FindsTheFixedPointOfTheBruteForceReference) {
     const MeanShiftResult result = mean_shift(around, start, {});
     EXPECT_TRUE(result.converged);
     EXPECT_LT((result.centre - expected.centre).norm(), 0.1)
-        << "seed " << seed << ", " << result.iterations << " for " << expected.iterations << " iterations, from "
-        << start.transpose() << " to " << result.centre.transpose() << ", expected " << expected.centre.transpose();
-    if (std::getenv("KV")) std::printf("%lu %d %d %.4f travel %.1f\n", seed, result.iterations, expected.iterations, (result.centre - expected.centre).norm(), (expected.centre-start).norm());
+        << "seed " << seed << ", " << result.iterations << " for " << expected.iterations
+        << " iterations, from " << start.transpose() << " to " << result.centre.transpose() << ", expected "
+        << expected.centre.transpose();
   }
 }
 

@@ -12,11 +12,11 @@
 namespace knuckle {
 namespace {
 
-constexpr int kRadius = 2;        // of the 5x5 window
+constexpr int kRadius = 2;           // of the 5x5 window
 constexpr int kFewestMeasured = 13;  // more than half of the window
 // A median of at least kFewestMeasured values is below a bound only where at least this many of them are.
 constexpr int kFewestCloser = (kFewestMeasured + 1) / 2;
-constexpr int kGridStep = 8;  // of the coarse search for a first bound [px]
+constexpr int kGridStep = 12;  // of the coarse search for a first bound [px]
 
 Box window_of(const Image<float>& image, int column, int row) {
   return intersection(Box{column - kRadius, row - kRadius, 2 * kRadius + 1, 2 * kRadius + 1},
@@ -53,7 +53,8 @@ Image<std::uint8_t> closer_in_row(const Image<float>& depth_mm, float bound) {
     const float* const depth = depth_mm.row(row).data();
     std::uint8_t* const flag = closer.data() + kRadius;
     for (int i = 0; i < width; ++i) {
-      flag[i] = static_cast<std::uint8_t>(static_cast<int>(depth[i] > 0.0f) & static_cast<int>(depth[i] < bound));
+      flag[i] =
+          static_cast<std::uint8_t>(static_cast<int>(depth[i] > 0.0f) & static_cast<int>(depth[i] < bound));
     }
     std::uint8_t* const sum = sums.row(row).data();
     for (int i = 0; i < width; ++i) {

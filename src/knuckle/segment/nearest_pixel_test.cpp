@@ -13,7 +13,8 @@
 namespace knuckle {
 namespace {
 
-/// The whole filter, written as its definition reads: the lower median of the measured pixels, 0 below 13 of them.
+/// The whole filter, written as its definition reads: the lower median of the measured pixels, 0 below 13 of
+/// them.
 Image<float> filtered(const Image<float>& depth_mm) {
   Image<float> result(depth_mm.width(), depth_mm.height());
   for (int row = 0; row < depth_mm.height(); ++row) {

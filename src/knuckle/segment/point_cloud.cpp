@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 #include <limits>
 
 namespace knuckle {
@@ -27,19 +28,31 @@ void cut_to(PointCloud& cloud, int count) {
   }
 }
 
-/// Numbers of the pixels with a depth in [low, high], row by row.
+/// Numbers of the pixels with a depth in [low, high], in order.
 std::vector<std::int32_t> pixels_between(const Image<float>& depth_mm, float low, float high) {
+  // Most pixels are out of the interval, in long runs: eight flags at once say whether there is one to look
+  // at.
+  const std::size_t size = depth_mm.size();
+  std::vector<std::uint8_t> flags((size + 7) / 8 * 8);
   const float* const depth = depth_mm.data();
-  const auto size = static_cast<std::int32_t>(depth_mm.size());
   int count = 0;
-  for (std::int32_t i = 0; i < size; ++i) {
-    count += static_cast<int>(depth[i] >= low) & static_cast<int>(depth[i] <= high);
+  for (std::size_t i = 0; i < size; ++i) {
+    const int is_between = static_cast<int>(depth[i] >= low) & static_cast<int>(depth[i] <= high);
+    flags[i] = static_cast<std::uint8_t>(is_between);
+    count += is_between;
   }
-  std::vector<std::int32_t> pixels(static_cast<std::size_t>(count));
+  std::vector<std::int32_t> pixels(static_cast<std::size_t>(count) + 1);  // one more is written and dropped
   std::int32_t* next = pixels.data();
-  for (std::int32_t i = 0; i < size; ++i) {
-    if (depth[i] >= low && depth[i] <= high) *next++ = i;
+  for (std::size_t i = 0; i < flags.size(); i += 8) {
+    std::uint64_t eight_flags = 0;
+    std::memcpy(&eight_flags, &flags[i], sizeof(eight_flags));
+    if (eight_flags == 0) continue;
+    for (std::size_t k = i; k < i + 8; ++k) {
+      *next = static_cast<std::int32_t>(k);
+      next += flags[k];
+    }
   }
+  pixels.pop_back();
   return pixels;
 }
 

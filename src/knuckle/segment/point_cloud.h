@@ -11,8 +11,9 @@
 
 namespace knuckle {
 
-/// Points in camera coordinates [mm], coordinate by coordinate, for loops that take kLanes points at once: up to
-/// padded_size() the arrays are filled with points so far away that no kernel sees them. They may be longer still.
+/// Points in camera coordinates [mm], coordinate by coordinate, for loops that take kLanes points at once: up
+/// to padded_size() the arrays are filled with points so far away that no kernel sees them. They may be
+/// longer still.
 struct PointCloud {
   static constexpr int kLanes = 8;  ///< floats in an AVX register
 
@@ -25,9 +26,10 @@ struct PointCloud {
   int padded_size() const { return (size() + kLanes - 1) / kLanes * kLanes; }
 };
 
-/// The measured points of a depth image within `radius_mm` of `centre` (camera coordinates, mm), row by row. `rays`
-/// has the size of the image.
-PointCloud points_around(const Image<float>& depth_mm, const RayTable& rays, const Point3& centre, double radius_mm);
+/// The measured points of a depth image within `radius_mm` of `centre` (camera coordinates, mm), row by row.
+/// `rays` has the size of the image.
+PointCloud points_around(const Image<float>& depth_mm, const RayTable& rays, const Point3& centre,
+                         double radius_mm);
 
 /// A cloud of given points; point i gets the pixel i.
 PointCloud cloud_of(const std::vector<Point3>& points);

@@ -8,8 +8,9 @@
 
 namespace knuckle {
 
-/// Keeps the ray table of the last camera asked for: the frames of a recording share one, and undistorting all its
-/// pixels costs more than segmenting a frame. Safe to call from many threads; a table lives as long as its users.
+/// Keeps the ray table of the last camera asked for: the frames of a recording share one, and undistorting
+/// all its pixels costs more than segmenting a frame. Safe to call from many threads; a table lives as long
+/// as its users.
 class RayCache {
  public:
   /// Throws an Error where the camera's values are impossible.

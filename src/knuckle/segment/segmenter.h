@@ -15,16 +15,17 @@ namespace knuckle {
 
 /// One hand found in a frame.
 struct HandRegion {
-  Box box;                   ///< smallest box around the hand's pixels
-  Image<std::uint8_t> mask;  ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
-  Point3 centre;             ///< in camera coordinates [mm]
-  double score = 0.0;        ///< larger is surer; what it means is the method's matter
+  Box box;                         ///< smallest box around the hand's pixels
+  Image<std::uint8_t> mask;        ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
+  Point3 centre = Point3::Zero();  ///< in camera coordinates [mm]
+  double score = 0.0;              ///< larger is surer; what it means is the method's matter
 };
 
 /// The hands of a frame, best first. None found is an answer, not an error.
 struct Segmentation {
   std::vector<HandRegion> hands;
-  std::string reason;  ///< why there is no hand, for example "no measurement in the frame"; empty where there is one
+  std::string
+      reason;  ///< why there is no hand, for example "no measurement in the frame"; empty where there is one
 };
 
 /// Finds hands in a depth image.
@@ -32,9 +33,10 @@ class Segmenter {
  public:
   virtual ~Segmenter() = default;
 
-  /// `start`, where given, is a point in camera coordinates [mm] to look for the hand at; otherwise the method
-  /// chooses where to start (the nearest point). Throws an Error where the start is not finite (a missing joint is
-  /// the caller's to notice) or the image has not the size of its camera. Safe to call from many threads.
+  /// `start`, where given, is a point in camera coordinates [mm] to look for the hand at; otherwise the
+  /// method chooses where to start (the nearest point). Throws an Error where the start is not finite (a
+  /// missing joint is the caller's to notice) or the image has not the size of its camera. Safe to call from
+  /// many threads.
   virtual Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const = 0;
 };
 

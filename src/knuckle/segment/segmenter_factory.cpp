@@ -33,7 +33,9 @@ constexpr std::array<Create, kNames.size()> kCreate{
 
 }  // namespace
 
-std::span<const std::string_view> segmenter_names() { return kNames; }
+std::span<const std::string_view> segmenter_names() {
+  return kNames;
+}
 
 std::unique_ptr<Segmenter> create_segmenter(std::string_view name, const OptionTable& table, int max_hands) {
   const auto place = std::ranges::find(kNames, name);

@@ -62,21 +62,23 @@ inline void draw_ball(Frame& frame, const Point3& centre, double radius_mm) {
 }
 
 /// Draws a rod of balls.
-inline void draw_rod(Frame& frame, const RayTable& rays, const Point3& from, const Point3& to, double radius_mm) {
+inline void draw_rod(Frame& frame, const RayTable& rays, const Point3& from, const Point3& to,
+                     double radius_mm) {
   const int count = 1 + static_cast<int>((to - from).norm() / (0.35 * radius_mm));
   for (int i = 0; i <= count; ++i) {
     draw_ball(frame, rays, from + (to - from) * (static_cast<double>(i) / count), radius_mm);
   }
 }
 
-/// Draws something like a right hand with its forearm: a palm, five spread and bent fingers, an arm. About 190 mm from
-/// the wrist to the tip of the middle finger. `random` varies it.
+/// Draws something like a right hand with its forearm: a palm, five spread and bent fingers, an arm. About
+/// 190 mm from the wrist to the tip of the middle finger. `random` varies it.
 inline void draw_hand(Frame& frame, const Point3& palm, Random& random) {
   const RayTable rays(frame.camera);
-  const double turn = random.uniform(-0.8, 0.8);   // in the image plane
-  const double tilt = random.uniform(-0.8, 0.8);   // towards the camera
-  const Eigen::Matrix3d camera_from_hand = (Eigen::AngleAxisd(turn, Point3::UnitZ()) *
-                                            Eigen::AngleAxisd(tilt, Point3::UnitX())).toRotationMatrix();
+  const double turn = random.uniform(-0.8, 0.8);  // in the image plane
+  const double tilt = random.uniform(-0.8, 0.8);  // towards the camera
+  const Eigen::Matrix3d camera_from_hand =
+      (Eigen::AngleAxisd(turn, Point3::UnitZ()) * Eigen::AngleAxisd(tilt, Point3::UnitX()))
+          .toRotationMatrix();
   const auto at = [&](double x, double y, double z) -> Point3 {
     return palm + camera_from_hand * Point3(x, y, z);
   };
@@ -88,7 +90,8 @@ inline void draw_hand(Frame& frame, const Point3& palm, Random& random) {
     const double length = kLengths[i];
     const Point3 root = at(-30 + 20 * i, -45, 0);
     const Point3 middle = root + camera_from_hand * Point3(spread * length / 2, -length / 2, 0);
-    const Point3 tip = middle + camera_from_hand * (Point3(spread, -std::cos(bend), -std::sin(bend)) * (length / 2));
+    const Point3 tip =
+        middle + camera_from_hand * (Point3(spread, -std::cos(bend), -std::sin(bend)) * (length / 2));
     draw_rod(frame, rays, root, middle, 9);
     draw_rod(frame, rays, middle, tip, 8);
   }
@@ -96,11 +99,13 @@ inline void draw_hand(Frame& frame, const Point3& palm, Random& random) {
   draw_rod(frame, rays, at(0, 45, 0), at(0, 330, 60), 28);
 }
 
-/// A hand, a body behind it, and noise, with exactly `measured` measured pixels (the rest of the body is cut away).
+/// A hand, a body behind it, and noise, with exactly `measured` measured pixels (the rest of the body is cut
+/// away).
 inline Frame hand_frame(std::uint64_t seed, int measured = 20000) {
   Random random(seed);
   Frame frame = blank_frame(quarter_vga_camera());
-  draw_hand(frame, Point3(random.uniform(-60, 60), random.uniform(-40, 40), random.uniform(400, 550)), random);
+  draw_hand(frame, Point3(random.uniform(-60, 60), random.uniform(-40, 40), random.uniform(400, 550)),
+            random);
   int count = 0;
   for (const float depth : frame.depth_mm.pixels()) count += is_measured(depth) ? 1 : 0;
   for (std::size_t i = frame.depth_mm.size(); i-- > 0;) {  // the body, from the bottom up

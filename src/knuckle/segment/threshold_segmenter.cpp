@@ -25,7 +25,8 @@ PixelList pixels_between(const Image<float>& depth_mm, double near_mm, double fa
   PixelList pixels;
   for (std::size_t i = 0; i < depth_mm.size(); ++i) {
     const float depth = depth_mm.data()[i];
-    if (is_measured(depth) && depth >= near_mm && depth <= far_mm) pixels.push_back(static_cast<std::int32_t>(i));
+    if (is_measured(depth) && depth >= near_mm && depth <= far_mm)
+      pixels.push_back(static_cast<std::int32_t>(i));
   }
   return pixels;
 }
@@ -37,7 +38,8 @@ std::vector<PixelList> components_of(const PixelList& pixels, int width, int hei
   Image<std::int32_t> labels(width, height);
   cv::Mat_<std::int32_t> label_view = cv_view(labels);
   const int label_count = cv::connectedComponents(cv_view(mask), label_view, 8, CV_32S);
-  std::vector<PixelList> components(static_cast<std::size_t>(std::max(label_count - 1, 0)));  // label 0: background
+  std::vector<PixelList> components(
+      static_cast<std::size_t>(std::max(label_count - 1, 0)));  // label 0: background
   for (const std::int32_t pixel : pixels) components[labels.data()[pixel] - 1].push_back(pixel);
   return components;
 }
@@ -77,7 +79,7 @@ HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& f
     sum += Point3(rays->x(column, row, depth), rays->y(column, row, depth), depth);
   }
   region.centre = sum / static_cast<double>(pixels.size());
-  region.score = static_cast<double>(pixels.size()) / static_cast<double>(region.box.area());
+  region.score = area_mm2(pixels, frame.camera, frame.depth_mm);
   return region;
 }
 
@@ -86,10 +88,9 @@ std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, co
   const PixelList all = pixels_between(depth_mm, near_mm, far_mm);
   std::vector<PixelList> parts{all};
   if (options_.pixels == "component") parts = components_of(all, depth_mm.width(), depth_mm.height());
-  const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame); };
-  std::erase_if(parts, [&](const PixelList& part) {
-    return part.empty() || area_of(part) < options_.min_area_mm2;
-  });
+  const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame.camera, frame.depth_mm); };
+  std::erase_if(parts,
+                [&](const PixelList& part) { return part.empty() || area_of(part) < options_.min_area_mm2; });
   std::ranges::stable_sort(parts, std::greater{}, area_of);
   if (std::ssize(parts) > max_hands_) parts.resize(static_cast<std::size_t>(max_hands_));
   std::vector<HandRegion> hands;
@@ -118,7 +119,8 @@ Segmentation ThresholdSegmenter::segment(const Frame& frame, const std::optional
     }
   }
   if (result.hands.empty()) {
-    result.reason = fmt::format("no surface of at least {:.0f} mm^2 in the depth interval", options_.min_area_mm2);
+    result.reason =
+        fmt::format("no surface of at least {:.0f} mm^2 in the depth interval", options_.min_area_mm2);
   }
   return result;
 }

@@ -14,27 +14,31 @@ namespace knuckle {
 
 /// Depth thresholding (Riegler et al. 2015, section 3).
 struct ThresholdSegmenterOptions {
-  std::string interval = "nearest";  ///< "nearest": [d_nearest, d_nearest + range_mm]; "fixed": [near_mm, far_mm]
-  double range_mm = 300.0;           ///< The paper's t_t, (0, 10000] [mm]
-  double tolerance_mm = 15.0;  ///< Pixels that much nearer than d_nearest still belong (noise), [0, 1000] [mm]
-  double near_mm = 100.0;      ///< Of the fixed interval, [0, 20000] [mm]
-  double far_mm = 600.0;       ///< Above near_mm, (0, 20000] [mm]
-  std::string pixels = "all";  ///< "all" in the interval are the hand; "component": each connected part is one
+  std::string interval =
+      "nearest";            ///< "nearest": [d_nearest, d_nearest + range_mm]; "fixed": [near_mm, far_mm]
+  double range_mm = 300.0;  ///< The paper's t_t, (0, 10000] [mm]
+  double tolerance_mm =
+      15.0;                ///< Pixels that much nearer than d_nearest still belong (noise), [0, 1000] [mm]
+  double near_mm = 100.0;  ///< Of the fixed interval, [0, 20000] [mm]
+  double far_mm = 600.0;   ///< Above near_mm, (0, 20000] [mm]
+  std::string pixels =
+      "all";  ///< "all" in the interval are the hand; "component": each connected part is one
   double min_area_mm2 = 1500.0;  ///< Smaller regions are no hands, [0, 1e6] [mm^2]
 
   void visit(OptionVisitor& visitor);
 };
 
-/// d_nearest is the smallest depth after a 5x5 median (nearest_pixel.h), so that single stray pixels are not the hand;
-/// where a start is given, the interval is centred on its depth instead. The fixed interval needs neither.
+/// d_nearest is the smallest depth after a 5x5 median (nearest_pixel.h), so that single stray pixels are not
+/// the hand; where a start is given, the interval is centred on its depth instead. The fixed interval needs
+/// neither.
 ///
-/// With `pixels = "all"`, as in the paper, all pixels in the interval are one hand: there is at most one. With
-/// "component" each 8-connected component is a hand of its own, the largest areas first.
+/// With `pixels = "all"`, as in the paper, all pixels in the interval are one hand: there is at most one.
+/// With "component" each 8-connected component is a hand of its own, the largest areas first.
 ///
-/// Where nothing in the nearest interval is large enough, its pixels are speckles: they are left out and the nearest
-/// of the rest is tried.
+/// Where nothing in the nearest interval is large enough, its pixels are speckles: they are left out and the
+/// nearest of the rest is tried.
 ///
-/// Centre: mean of the points. Score: the pixels' share of their box, (0, 1].
+/// Centre: mean of the points. Score: the area [mm^2].
 class ThresholdSegmenter final : public Segmenter {
  public:
   /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.

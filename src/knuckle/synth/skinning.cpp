@@ -12,13 +12,6 @@ namespace {
 /// How far a quaternion's norm may lie from 1: some roundings of single precision.
 constexpr float kUnitTolerance = 1e-3f;
 
-Eigen::Vector3f weighted_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (std::size_t i = 0; i < group.vertices.size(); ++i)
-    sum += group.weights[i] * vertices[group.vertices[i]];
-  return sum;
-}
-
 void check_pose(const Body& body, const BodyPose& pose) {
   if (pose.rotations.size() != body.names.size()) {
     fail("body pose: {} rotations for {} bones", pose.rotations.size(), body.names.size());
@@ -47,6 +40,14 @@ Eigen::Vector3f skinned_vertex(const Eigen::Vector3f& rest, const std::array<std
 
 }  // namespace
 
+Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < group.vertices.size(); ++i) {
+    sum += group.weights[i] * vertices[group.vertices[i]].cast<double>();
+  }
+  return sum;
+}
+
 ShapedBody shaped_body(const Body& body, std::span<const double> coefficients) {
   if (coefficients.size() != body.shapedirs.size()) {
     fail("body shape: {} coefficients for {} shape directions", coefficients.size(), body.shapedirs.size());
@@ -66,10 +67,10 @@ ShapedBody shaped_body(const Body& body, std::span<const double> coefficients) {
   }
   person.joints.reserve(body.joint_regressor.size());
   for (const VertexGroup& group : body.joint_regressor) {
-    person.joints.push_back(weighted_mean(group, person.vertices));
+    person.joints.emplace_back(group_mean(group, person.vertices).cast<float>());
   }
   for (int i = 0; i < kSupersetSize; ++i) {
-    person.landmarks[i] = weighted_mean(body.landmark_regressor[i], person.vertices);
+    person.landmarks[i] = group_mean(body.landmark_regressor[i], person.vertices).cast<float>();
   }
   return person;
 }

@@ -10,6 +10,9 @@
 
 namespace knuckle {
 
+/// The weighted mean of a group's vertices.
+Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices);
+
 /// A body with its shape settled: one person. Joints and landmarks follow the morph.
 struct ShapedBody {
   const Body* body = nullptr;                            ///< must outlive this

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/create_estimator.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
+#include "knuckle/estimate/pose_forest.h"
+
+namespace knuckle {
+
+namespace {
+
+struct Method {
+  std::string_view name;
+  std::unique_ptr<Estimator> (*load)(const std::filesystem::path& model);
+};
+
+constexpr std::array kMethods{
+    Method{"forest",
+           [](const std::filesystem::path& model) -> std::unique_ptr<Estimator> {
+             return std::make_unique<PoseForestEstimator>(load_pose_forest(model));
+           }},
+};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kMethods.size()> names;
+  std::ranges::transform(kMethods, names.begin(), &Method::name);
+  return names;
+}();
+
+/// What the table asks of the model.
+struct Expectations {
+  std::string convention;  ///< empty: any
+  int patch_size_px = 0;   ///< 0: any
+
+  void visit(OptionVisitor& visitor) {
+    visitor.text("convention", convention);
+    visitor.integer("patch_size_px", patch_size_px, closed(0, 4096));
+  }
+};
+
+void check(const Estimator& estimator, const Expectations& expected, const OptionTable& table) {
+  const std::string_view convention = estimator.convention().name;
+  if (!expected.convention.empty() && convention != expected.convention) {
+    table.fail_at("convention", fmt::format("\"{}\" is asked for, but the model predicts \"{}\"",
+                                            expected.convention, convention));
+  }
+  const int size = estimator.patch_statistics().size_px;
+  if (expected.patch_size_px != 0 && size != expected.patch_size_px) {
+    table.fail_at("patch_size_px",
+                  fmt::format("{} is asked for, but the model was trained on patches of {} x {}",
+                              expected.patch_size_px, size, size));
+  }
+}
+
+}  // namespace
+
+std::span<const std::string_view> estimator_names() {
+  return kNames;
+}
+
+std::unique_ptr<Estimator> create_estimator(const OptionTable& table) {
+  const std::string name = table.required_text("method");
+  const auto method = std::ranges::find(kMethods, name, &Method::name);
+  if (method == kMethods.end()) {
+    const std::vector<std::string> known(kNames.begin(), kNames.end());
+    table.fail_at("method", fmt::format("no estimator \"{}\"; known: {}", name, joined(known)));
+  }
+  const std::string model = table.required_text("model");
+  Expectations expected;
+  table.read(expected);
+  table.finish();
+  std::unique_ptr<Estimator> estimator = method->load(table.resolved_path(model));
+  check(*estimator, expected, table);
+  return estimator;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/pose_forest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/hdf5_file.h"
+
+namespace knuckle {
+
+namespace {
+
+constexpr std::string_view kFormat = "knuckle-forest";
+constexpr int kVersion = 1;
+constexpr std::string_view kKind = "pose";
+/// Spread of the trees at which the confidence falls to 1 / e, in patch coordinates.
+constexpr float kAgreementScale = 0.1F;
+constexpr int kCoordinates = 3;  // u, v, d
+
+/// Looks at every value, without a branch, so that the loop vectorises.
+bool all_finite(std::span<const float> values) {
+  int faults = 0;
+  for (const float value : values) faults |= std::abs(value) <= std::numeric_limits<float>::max() ? 0 : 1;
+  return faults == 0;
+}
+
+/// Throws where the parts of a model do not belong together.
+void check(const PoseForestModel& model, const std::string& origin) {
+  const int size = model.statistics.size_px;
+  if (size < 2 || model.forest.feature_count() != size * size) {
+    fail("{}: the forest reads {} pixels, expected those of a patch of {} x {}", origin,
+         model.forest.feature_count(), size, size);
+  }
+  const std::size_t landmarks = model.convention.landmarks.size();
+  if (model.forest.target_count() != static_cast<int>(landmarks) * kCoordinates) {
+    fail("{}: the forest predicts {} numbers, expected u v d of the {} landmarks of {}", origin,
+         model.forest.target_count(), landmarks, model.convention.name);
+  }
+  const Image<float>& mean = model.statistics.mean;
+  if (!mean.empty() && (mean.width() != size || mean.height() != size)) {
+    fail("{}: the mean patch is {} x {}, expected {} x {}", origin, mean.width(), mean.height(), size, size);
+  }
+  if (!all_finite(mean.pixels())) fail("{}: a pixel of the mean patch is not finite", origin);
+  if (!model.statistics.whitening.empty()) fail("{}: a pose forest takes no whitening", origin);
+}
+
+/// A small whole number of a file's attribute.
+int integer_attribute(const Hdf5File& file, std::string_view name) {
+  const double value = file.number_attribute(name);
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  if (!(value >= 0.0 && value <= most)) {
+    fail("{}: {} is {}, expected a number in [0, {}]", file.path().string(), name, value, most);
+  }
+  return static_cast<int>(value);
+}
+
+PatchStatistics read_statistics(const Hdf5File& file) {
+  PatchStatistics statistics;
+  statistics.size_px = integer_attribute(file, "patch_size_px");
+  if (!file.has("patch_mean")) return statistics;
+  const Hdf5Array<float> mean = file.read<float>("patch_mean");
+  const auto size = static_cast<std::uint64_t>(statistics.size_px);
+  if (mean.shape != std::vector<std::uint64_t>{size, size}) {
+    fail("{}: patch_mean has {} values, expected {} x {}", file.path().string(), mean.values.size(), size,
+         size);
+  }
+  statistics.mean = Image<float>(statistics.size_px, statistics.size_px);
+  std::ranges::copy(mean.values, statistics.mean.pixels().begin());
+  return statistics;
+}
+
+Convention read_convention(const Hdf5File& file) {
+  try {
+    return convention_from_name(file.text_attribute("convention"));
+  } catch (const Error& error) {
+    fail("{}: {}", file.path().string(), error.what());
+  }
+}
+
+}  // namespace
+
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model) {
+  check(model, path.string());
+  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+    Hdf5File file = Hdf5File::create(temporary);
+    file.set_attribute("format", kFormat);
+    file.set_attribute("version", double{kVersion});
+    file.set_attribute("kind", kKind);
+    file.set_attribute("convention", model.convention.name);
+    file.set_attribute("patch_size_px", double(model.statistics.size_px));
+    if (const Image<float>& mean = model.statistics.mean; !mean.empty()) {
+      const auto size = static_cast<std::uint64_t>(model.statistics.size_px);
+      file.write("patch_mean", {size, size}, mean.data());
+    }
+    write_forest(file, model.forest);
+    file.close();
+  });
+}
+
+PoseForestModel load_pose_forest(const std::filesystem::path& path) {
+  const Hdf5File file = Hdf5File::open(path);
+  file.require_format(kFormat, kVersion);
+  const std::string kind = file.text_attribute("kind");
+  if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", path.string(), kind, kKind);
+  PoseForestModel model{read_convention(file), read_statistics(file), read_forest(file)};
+  check(model, path.string());
+  return model;
+}
+
+PoseForestEstimator::PoseForestEstimator(PoseForestModel model) : model_(std::move(model)) {
+  check(model_, "pose forest");
+}
+
+PatchPose PoseForestEstimator::estimate(const HandPatch& patch) const {
+  const int size = model_.statistics.size_px;
+  if (patch.pixels.width() != size || patch.pixels.height() != size) {
+    fail("pose forest: a patch of {} x {}, expected {} x {}", patch.pixels.width(), patch.pixels.height(),
+         size, size);
+  }
+  if (!all_finite(patch.pixels.pixels())) fail("pose forest: a pixel of the patch is not finite");
+
+  const RegressionForest::Prediction prediction = model_.forest.predict(patch.pixels.pixels());
+  PatchPose pose;
+  for (std::size_t i = 0; i < prediction.mean.size(); i += kCoordinates) {
+    pose.joints.push_back({prediction.mean[i], prediction.mean[i + 1], prediction.mean[i + 2]});
+    if (model_.forest.tree_count() > 1) {
+      const float spread = std::hypot(prediction.deviation[i], prediction.deviation[i + 1]) / std::sqrt(2.0F);
+      pose.confidence.push_back(std::exp(-spread / kAgreementScale));
+    }
+  }
+  return pose;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "knuckle/estimate/estimator.h"
+#include "knuckle/forest/regression_forest.h"
+
+namespace knuckle {
+
+/// A pose forest with all that is needed to use it. Its features are the pixels of a patch, row by row; its
+/// targets are u, v, d of the convention's first landmark, then of the second, ... in patch coordinates.
+struct PoseForestModel {
+  Convention convention;
+  PatchStatistics statistics;  ///< without whitening
+  RegressionForest forest;
+};
+
+/// Writes the model as a `.h5` file of format "knuckle-forest", version 1; it appears only when whole.
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model);
+
+/// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
+/// version or kind, or where its parts do not fit together or are not finite.
+PoseForestModel load_pose_forest(const std::filesystem::path& path);
+
+/// Pose by a regression forest (Riegler et al. 2015, equation 3): the mean of the leaves that the patch
+/// reaches.
+///
+/// The confidence of a joint says how well the trees agree on its place: exp(-s / 0.1), where s is the
+/// standard deviation of (u, v) over the trees (root mean square of both, 0.1 = 5% of the patch). A single
+/// tree always agrees with itself, so a forest of one gives none.
+class PoseForestEstimator final : public Estimator {
+ public:
+  explicit PoseForestEstimator(PoseForestModel model);
+
+  Convention convention() const override { return model_.convention; }
+  const PatchStatistics& patch_statistics() const override { return model_.statistics; }
+  /// Throws an Error where the patch has another size or a pixel is not finite.
+  PatchPose estimate(const HandPatch& patch) const override;
+
+ private:
+  PoseForestModel model_;
+};
+
+}  // namespace knuckle

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/pose_forest.h"
+
+#include <cmath>
+#include <fstream>
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/hdf5_file.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/estimate/estimate_testing.h"
+#include "knuckle/estimate/train_pose_forest.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::kTestPatchSize;
+using testing::made_up_hand;
+using testing::made_up_model;
+using testing::made_up_set;
+using testing::TemporaryFolder;
+
+const Convention& convention() {
+  return convention_from_name("nyu14");
+}
+
+TEST(TrainPoseForest, RemembersItsSamplesAndLearnsTheSlants) {
+  const PoseForestEstimator estimator(made_up_model(convention()));
+  EXPECT_EQ(estimator.convention(), convention());
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const auto [patch, joints] = made_up_hand(i, convention());
+    const PatchPose pose = estimator.estimate(patch);
+    ASSERT_EQ(pose.joints.size(), joints.size());
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      EXPECT_NEAR(pose.joints[j].u, joints[j].u, 1e-3);
+      EXPECT_NEAR(pose.joints[j].v, joints[j].v, 1e-3);
+      EXPECT_NEAR(pose.joints[j].d, joints[j].d, 1e-3);
+      EXPECT_GT(pose.confidence[j], 0.99F);
+    }
+  }
+  double error = 0.0;
+  for (std::uint64_t i = 100000; i < 100100; ++i) {
+    const auto [unseen, truth] = made_up_hand(i, convention());
+    const PatchPose pose = estimator.estimate(unseen);
+    error += std::abs(pose.joints[3].u - truth[3].u) / 100.0;
+    EXPECT_LE(pose.confidence[3], 1.0F);
+  }
+  EXPECT_LT(error, 0.1);  // a constant answer has 0.5
+}
+
+TEST(TrainPoseForest, LeavesOutSamplesWithAMissingJoint) {
+  PoseTrainingSet set(3, convention(), {.size_px = kTestPatchSize, .mean = {}, .whitening = {}});
+  auto [patch, joints] = made_up_hand(1, convention());
+  EXPECT_EQ(set.set(0, patch, joints), PoseTrainingSet::Kept::yes);
+  joints[5] = PatchPoint{};
+  EXPECT_EQ(set.set(1, patch, joints), PoseTrainingSet::Kept::joint_missing);
+  EXPECT_EQ(set.kept_count(), 1);
+}
+
+TEST(TrainPoseForest, RefusesWhatDoesNotFit) {
+  PoseTrainingSet set(3, convention(), {.size_px = kTestPatchSize, .mean = {}, .whitening = {}});
+  auto [patch, joints] = made_up_hand(1, convention());
+  EXPECT_THAT(error_of([&] { train_pose_forest(set, {}); }), HasSubstr("no samples"));
+  EXPECT_THAT(error_of([&] { set.set(2, patch, std::span(joints).first(3)); }),
+              HasSubstr("expected the 14 of nyu14"));
+  patch.pixels(3, 3) = std::nanf("");
+  EXPECT_THAT(error_of([&] { set.set(2, patch, joints); }), AllOf(HasSubstr("sample 2"), HasSubstr("nan")));
+  patch.pixels = Image<float>(5, 5);
+  EXPECT_THAT(error_of([&] { set.set(2, patch, joints); }), HasSubstr("expected 12 x 12"));
+}
+
+TEST(PoseForestEstimator, RefusesPatchesOfAnotherSizeOrNotFinite) {
+  const PoseForestEstimator estimator(made_up_model(convention()));
+  HandPatch patch = made_up_hand(1, convention()).first;
+  patch.pixels(0, 5) = INFINITY;
+  EXPECT_THAT(error_of([&] { estimator.estimate(patch); }), HasSubstr("not finite"));
+  patch.pixels = Image<float>(96, 96);
+  EXPECT_THAT(error_of([&] { estimator.estimate(patch); }), HasSubstr("96 x 96, expected 12 x 12"));
+}
+
+TEST(PoseForestModel, SavedAndLoadedAnswersTheSame) {
+  const TemporaryFolder folder;
+  PoseForestModel model = made_up_model(convention());
+  model.statistics.mean = Image<float>(kTestPatchSize, kTestPatchSize, 0.25F);
+  save_pose_forest(folder / "m.h5", model);
+  const PoseForestEstimator before(model);
+  const PoseForestEstimator after(load_pose_forest(folder / "m.h5"));
+  EXPECT_EQ(after.convention(), convention());
+  EXPECT_EQ(after.patch_statistics().mean, model.statistics.mean);
+  for (std::uint64_t i = 5000; i < 5050; ++i) {
+    const HandPatch patch = made_up_hand(i, convention()).first;
+    const PatchPose a = before.estimate(patch);
+    const PatchPose b = after.estimate(patch);
+    for (std::size_t j = 0; j < a.joints.size(); ++j) {
+      ASSERT_EQ(a.joints[j].u, b.joints[j].u);
+      ASSERT_EQ(a.joints[j].v, b.joints[j].v);
+      ASSERT_EQ(a.joints[j].d, b.joints[j].d);
+    }
+    ASSERT_EQ(a.confidence, b.confidence);
+  }
+}
+
+/// A sound model file of which the test spoils one thing.
+class PoseForestFile : public ::testing::Test {
+ protected:
+  PoseForestFile() { save_pose_forest(path_, made_up_model(convention())); }
+
+  std::string fault() const {
+    return error_of([this] { load_pose_forest(path_); });
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "model.h5";
+};
+
+TEST_F(PoseForestFile, OfAnotherVersionIsRefused) {
+  Hdf5File file = Hdf5File::open_for_writing(path_);
+  file.set_attribute("version", 2.0);
+  file.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("version")));
+}
+
+TEST_F(PoseForestFile, OfAnotherKindOrFormatIsRefused) {
+  Hdf5File file = Hdf5File::open_for_writing(path_);
+  file.set_attribute("kind", "segmentation");
+  file.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("segmentation")));
+  Hdf5File other = Hdf5File::open_for_writing(path_);
+  other.set_attribute("format", "knuckle-body");
+  other.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("knuckle-body")));
+}
+
+TEST_F(PoseForestFile, CutShortForeignOrMissingIsRefused) {
+  const auto size = std::filesystem::file_size(path_);
+  for (const double part : {0.99, 0.5, 0.02}) {
+    std::filesystem::resize_file(path_, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
+    EXPECT_THAT(fault(), HasSubstr("model.h5")) << part;
+  }
+  write_text_file(path_, "this is no forest");
+  EXPECT_THAT(fault(), HasSubstr("model.h5"));
+  std::filesystem::remove(path_);
+  EXPECT_THAT(fault(), HasSubstr("model.h5"));
+}
+
+TEST_F(PoseForestFile, OfAnUnknownConventionOrPatchSizeIsRefused) {
+  Hdf5File file = Hdf5File::open_for_writing(path_);
+  file.set_attribute("patch_size_px", 96.0);
+  file.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("96 x 96")));
+  Hdf5File other = Hdf5File::open_for_writing(path_);
+  other.set_attribute("patch_size_px", double{kTestPatchSize});
+  other.set_attribute("convention", "octopus8");
+  other.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("octopus8")));
+  Hdf5File third = Hdf5File::open_for_writing(path_);
+  third.set_attribute("convention", "icvl16");
+  third.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("16 landmarks of icvl16")));
+}
+
+TEST_F(PoseForestFile, WithANumberThatIsNotFiniteIsRefused) {
+  Hdf5File file = Hdf5File::open_for_writing(path_);
+  const float not_finite = std::nanf("");
+  file.write_rows("leaf_offset", 0, 1, &not_finite);
+  file.close();
+  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("not finite")));
+}
+
+TEST_F(PoseForestFile, ThatCannotBeWrittenLeavesNothing) {
+  const std::filesystem::path nowhere = folder_ / "no_such_folder" / "model.h5";
+  EXPECT_THAT(error_of([&] { save_pose_forest(nowhere, made_up_model(convention())); }),
+              HasSubstr("no_such_folder"));
+  PoseForestModel wrong = made_up_model(convention());
+  wrong.statistics.whitening = {1.0F};
+  EXPECT_THAT(error_of([&] { save_pose_forest(folder_ / "w.h5", wrong); }), HasSubstr("no whitening"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "w.h5"));
+}
+
+}  // namespace
+}  // namespace knuckle

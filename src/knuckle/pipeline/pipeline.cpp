@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/pipeline/pipeline.h"
+
+#include <algorithm>
+
+#include "knuckle/estimate/create_estimator.h"
+#include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/refine/refiner_factory.h"
+
+namespace knuckle {
+namespace {
+
+HandPose pose_in_image(const PatchPose& pose, const Convention& convention, const PatchGeometry& geometry) {
+  HandPose result{convention, {}, pose.confidence};
+  for (const PatchPoint& joint : pose.joints) result.joints.push_back(geometry.to_image(joint));
+  return result;
+}
+
+/// Calls `work`, adds the time it took to `total_ms`, and returns what it returned.
+template <class Work>
+auto timed(double& total_ms, const Work& work) {
+  const Stopwatch watch;
+  auto result = work();
+  total_ms += watch.milliseconds();
+  return result;
+}
+
+/// The size of the patches that the file asks for; the model's where it asks for none.
+PatchOptions patch_options_of(const OptionTable& document, const PatchStatistics& statistics) {
+  PatchOptions options;
+  options.size_px = statistics.size_px;
+  const OptionTable table = document.table("patch");
+  table.read(options);
+  if (options.size_px != statistics.size_px) {
+    table.fail_at("size_px", fmt::format("is {}, but the model was trained on patches of {} px",
+                                         options.size_px, statistics.size_px));
+  }
+  return options;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const OptionTable& document)
+    : finder_(document), estimator_(create_estimator(document.table("estimator"))) {
+  const PatchStatistics& statistics = estimator_->patch_statistics();
+  extractor_ = std::make_unique<PatchExtractor>(patch_options_of(document, statistics), statistics);
+  for (const OptionTable& table : document.tables("refine")) refiners_.push_back(create_refiner(table));
+}
+
+Pipeline Pipeline::load(const std::filesystem::path& path) {
+  const OptionTable document = OptionTable::load(path);
+  Pipeline pipeline(document);
+  document.finish();
+  return pipeline;
+}
+
+FrameEstimate Pipeline::estimate(const Frame& frame, const std::optional<Point3>& start) const {
+  if (!finder_.hand().is_left()) return estimate_right(frame, start);
+  FrameEstimate result = estimate_right(mirrored(frame), mirrored(start));
+  for (HandEstimate& hand : result.hands) {
+    hand = {mirrored(hand.region, frame.camera.width), mirrored(hand.pose, frame.camera.width)};
+  }
+  return result;
+}
+
+FrameEstimate Pipeline::estimate_right(const Frame& frame, const std::optional<Point3>& start) const {
+  FrameEstimate result;
+  Segmentation segmentation =
+      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, start); });
+  for (HandRegion& region : segmentation.hands) {
+    if (auto pose = pose_of(frame, region, result.times))
+      result.hands.push_back({std::move(region), std::move(*pose)});
+  }
+  result.reason = segmentation.reason;
+  if (result.hands.empty() && result.reason.empty()) result.reason = "the hand has no measured pixel";
+  return result;
+}
+
+std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region,
+                                          StageTimes& times) const {
+  const auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
+  if (!patch) return std::nullopt;
+  HandPose pose = timed(times.estimate_ms, [&] {
+    return pose_in_image(estimator_->estimate(*patch), estimator_->convention(), patch->geometry);
+  });
+  return timed(times.refine_ms, [&] {
+    for (const auto& refiner : refiners_) pose = refiner->refine(frame, region, std::move(pose));
+    return std::move(pose);
+  });
+}
+
+}  // namespace knuckle

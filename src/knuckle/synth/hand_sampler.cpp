@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/hand_sampler.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <string_view>
+
+#include "knuckle/synth/gestures.h"
+
+namespace knuckle {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr int kThumbAngles = 5;
+constexpr int kAnglesAFinger = 4;
+
+constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside", "loose_fist",
+                                                     "small_cylinder", "thumb_up"};
+constexpr std::array<std::string_view, 5> kOpen = {"open", "spread", "flat", "relaxed", "flat_thumb_in"};
+
+const HandAngles& any_gesture(Random& random) {
+  const auto all = gestures();
+  return all[random.below(static_cast<std::uint32_t>(all.size()))].angles;
+}
+
+HandAngles between_gestures(Random& random) {
+  const HandAngles& from = any_gesture(random);
+  const HandAngles& to = any_gesture(random);
+  return interpolated(from, to, random.uniform());
+}
+
+/// The digit (0 thumb to 4 little, 5 the palm) that an angle belongs to.
+int digit_of(int angle) {
+  if (angle < kThumbAngles) return 0;
+  return 1 + (angle - kThumbAngles) / kAnglesAFinger;
+}
+
+HandAngles with_digits(const std::array<HandAngles, 6>& digits) {
+  HandAngles result;
+  for (int i = 0; i < kHandAngleCount; ++i) result.radians[i] = digits[digit_of(i)].radians[i];
+  return result;
+}
+
+HandAngles mixed_digits(Random& random) {
+  std::array<HandAngles, 6> digits;
+  for (HandAngles& digit : digits) digit = between_gestures(random);
+  return with_digits(digits);
+}
+
+/// On the way from a closed to an open hand; each digit runs a little ahead or behind.
+HandAngles closing_hand(Random& random) {
+  constexpr double kLag = 0.12;
+  const HandAngles& closed_hand = gesture_from_name(kClosed[random.below(kClosed.size())]).angles;
+  const HandAngles& open_hand = gesture_from_name(kOpen[random.below(kOpen.size())]).angles;
+  const double t = random.uniform();
+  std::array<HandAngles, 6> digits;
+  for (HandAngles& digit : digits) {
+    digit = interpolated(closed_hand, open_hand, std::clamp(t + kLag * random.normal(), 0.0, 1.0));
+  }
+  return with_digits(digits);
+}
+
+double within(HandAngle angle, double share) {
+  const AngleRange range = range_of(angle);
+  return range.low + share * (range.high - range.low);
+}
+
+/// Fingers bend together as tendons and habit make them: each joint shares a level that is uniform over the
+/// range.
+HandAngles uniform_hand(Random& random) {
+  constexpr double kOwnWay = 0.18;  ///< deviation of one finger from the others, in parts of the range
+  HandAngles angles;
+  for (int i = 0; i < kThumbAngles; ++i) {
+    const auto angle = static_cast<HandAngle>(i);
+    angles[angle] = within(angle, random.uniform());
+  }
+  const double mcp_level = random.uniform();
+  const double pip_level = random.uniform();
+  const double spread_level = random.uniform();
+  for (int finger = 0; finger < 4; ++finger) {
+    const FingerAngleNames names = angles_of_finger(finger);
+    angles[names.mcp] = within(names.mcp, mcp_level + kOwnWay * random.normal());
+    angles[names.spread] = within(names.spread, spread_level + kOwnWay * random.normal());
+    angles[names.pip] = within(names.pip, pip_level + kOwnWay * random.normal());
+    angles[names.dip] = coupled_dip(angles[names.pip]) + 12.0 * kDegree * random.normal();
+  }
+  angles[HandAngle::palm_arch] = within(HandAngle::palm_arch, random.uniform());
+  return angles;
+}
+
+HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
+  const std::array<double, 5> shares = {options.gesture_share, options.pair_share, options.mixed_share,
+                                        options.closing_share, options.uniform_share};
+  double left = random.uniform() * (shares[0] + shares[1] + shares[2] + shares[3] + shares[4]);
+  std::size_t kind = 0;
+  while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
+  switch (kind) {
+    case 0:
+      return any_gesture(random);
+    case 1:
+      return between_gestures(random);
+    case 2:
+      return mixed_digits(random);
+    case 3:
+      return closing_hand(random);
+    default:
+      return uniform_hand(random);
+  }
+}
+
+}  // namespace
+
+void HandPoseOptions::visit(OptionVisitor& visitor) {
+  visitor.real("gesture_share", gesture_share, at_least(0));
+  visitor.real("pair_share", pair_share, at_least(0));
+  visitor.real("mixed_share", mixed_share, at_least(0));
+  visitor.real("closing_share", closing_share, at_least(0));
+  visitor.real("uniform_share", uniform_share, at_least(0));
+  visitor.real("jitter_deg", jitter_deg, closed(0, 45));
+  visitor.real("penetration_mm", penetration_mm, at_least(0));
+}
+
+void check(const HandPoseOptions& options, std::string_view what) {
+  check_options(options, what);
+  if (options.gesture_share + options.pair_share + options.mixed_share + options.closing_share +
+          options.uniform_share <=
+      0.0) {
+    fail(
+        "{}: all of gesture_share, pair_share, mixed_share, closing_share and uniform_share are 0; expected "
+        "one above 0",
+        what);
+  }
+}
+
+HandAngles sampled_hand(const HandPoseOptions& options, Random& random) {
+  HandAngles angles = unlimited_hand(options, random);
+  for (double& angle : angles.radians) angle += options.jitter_deg * kDegree * random.normal();
+  return within_limits(angles);
+}
+
+}  // namespace knuckle

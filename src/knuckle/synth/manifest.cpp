@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/manifest.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+namespace knuckle {
+namespace {
+
+constexpr std::array<std::string_view, 2> kModels = {"projective", "orthographic"};
+
+template <class... Options>
+void read_table(const OptionTable& manifest, std::string_view name, Options&... options) {
+  const OptionTable table = manifest.table(name);
+  (table.read(options), ...);
+  table.finish();
+}
+
+}  // namespace
+
+void PeopleOptions::visit(OptionVisitor& visitor) {
+  visitor.text("file", file);
+  visitor.integer("people", people, closed(1, 100000));
+}
+
+ManifestCamera::ManifestCamera()
+    : camera{.width = 320, .height = 240, .fx = 224.0, .fy = 224.0, .cx = 159.5, .cy = 119.5} {}
+
+void ManifestCamera::visit(OptionVisitor& visitor) {
+  std::string model(kModels[camera.model == CameraModel::orthographic ? 1 : 0]);
+  visitor.choice("model", model, kModels);
+  camera.model = model == kModels[1] ? CameraModel::orthographic : CameraModel::projective;
+  visitor.integer("width", camera.width, closed(1, 8192));
+  visitor.integer("height", camera.height, closed(1, 8192));
+  visitor.real("fx", camera.fx, open_closed(0, 100000));
+  visitor.real("fy", camera.fy, open_closed(0, 100000));
+  visitor.real("cx", camera.cx, closed(-10000, 10000));
+  visitor.real("cy", camera.cy, closed(-10000, 10000));
+  std::vector<double> distortion(camera.distortion.begin(), camera.distortion.end());
+  visitor.reals("distortion", distortion, closed(-100, 100), 0, camera.distortion.size());
+  camera.distortion.fill(0.0);
+  std::ranges::copy(distortion, camera.distortion.begin());
+  visitor.real("focal_spread", focal_spread, closed(0, 0.5));
+}
+
+void Manifest::visit(OptionVisitor& visitor) {
+  visitor.seed("seed", seed);
+  visitor.integer("frames", frames, closed(1, 100000000));
+}
+
+Manifest load_manifest(const std::filesystem::path& path) {
+  const OptionTable table = OptionTable::load(path);
+  Manifest manifest;
+  manifest.path = path;
+  table.read(manifest);
+  read_table(table, "body", manifest.body);
+  read_table(table, "camera", manifest.camera);
+  read_table(table, "pose", manifest.pose, manifest.motion);
+  read_table(table, "placement", manifest.placement);
+  read_table(table, "sensor", manifest.sensor);
+  table.finish();
+  check(manifest.pose, path.string() + ": [pose]");
+  check(manifest.placement, path.string() + ": [placement]");
+  try {
+    check(manifest.camera.camera);
+  } catch (const Error& error) {
+    fail("{}: [camera]: {}", path.string(), error.what());
+  }
+  return manifest;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/synth/hand_sampler.h"
+#include "knuckle/synth/motion.h"
+#include "knuckle/synth/placement.h"
+#include "knuckle/synth/sensor_noise.h"
+
+namespace knuckle {
+
+/// Whose hands are seen.
+struct PeopleOptions {
+  std::string file;  ///< body (.h5), relative to the manifest; empty: MakeHuman's, as set-up fetched it
+  int people = 100;  ///< different people, [1, 100000]; each frame (or sequence) shows one of them
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// Through which camera.
+struct ManifestCamera {
+  Camera camera;              ///< default: 320 x 240, f = 224 px, centred
+  double focal_spread = 0.0;  ///< focal lengths differ from frame to frame by up to this part, [0, 0.5]
+
+  ManifestCamera();
+  void visit(OptionVisitor& visitor);
+};
+
+/// A data set that is rendered on demand: everything that a frame depends on, but its number.
+struct Manifest {
+  std::filesystem::path path;
+  std::uint64_t seed = 1;
+  int frames = 1000;  ///< [1, 100000000]
+  PeopleOptions body;
+  ManifestCamera camera;
+  HandPoseOptions pose;
+  MotionOptions motion;
+  PlacementOptions placement;
+  SensorOptions sensor;
+
+  void visit(OptionVisitor& visitor);  ///< the keys outside tables: seed, frames
+};
+
+/// Reads a manifest (TOML; manifests/demo.toml documents all keys). Throws an Error that names file, line and
+/// key where a key is unknown, of the wrong type, or out of range.
+Manifest load_manifest(const std::filesystem::path& path);
+
+}  // namespace knuckle

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/manifest.h"
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/resources.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/synth/synthetic_source.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ManifestTest : public ::testing::Test {
+ protected:
+  std::filesystem::path written(const std::string& text) const {
+    write_text_file(folder_ / "m.toml", text);
+    return folder_ / "m.toml";
+  }
+  std::string error_of_manifest(const std::string& text) const {
+    return testing::error_of([&] { load_manifest(written(text)); });
+  }
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(ManifestTest, AnEmptyOneIsTheDefaults) {
+  const Manifest manifest = load_manifest(written(""));
+  EXPECT_EQ(manifest.frames, 1000);
+  EXPECT_EQ(manifest.camera.camera.width, 320);
+  EXPECT_EQ(manifest.camera.camera.fx, 224.0);
+  EXPECT_EQ(manifest.sensor.sigma_mm, 3.0);
+}
+
+TEST_F(ManifestTest, EveryTableIsRead) {
+  const Manifest manifest = load_manifest(written(
+      "seed = 12\nframes = 34\n[body]\npeople = 5\n[camera]\nmodel = 'orthographic'\nwidth = 64\nfx = 0.5\n"
+      "distortion = []\n[pose]\npair_share = 2.0\nmotion = 'smooth'\n[placement]\nnearest_mm = 300.0\n"
+      "[sensor]\nsigma_mm = 1.5\n"));
+  EXPECT_EQ(manifest.seed, 12u);
+  EXPECT_EQ(manifest.frames, 34);
+  EXPECT_EQ(manifest.body.people, 5);
+  EXPECT_EQ(manifest.camera.camera.model, CameraModel::orthographic);
+  EXPECT_EQ(manifest.camera.camera.width, 64);
+  EXPECT_EQ(manifest.pose.pair_share, 2.0);
+  EXPECT_TRUE(manifest.motion.is_smooth());
+  EXPECT_EQ(manifest.placement.nearest_mm, 300.0);
+  EXPECT_EQ(manifest.sensor.sigma_mm, 1.5);
+}
+
+TEST_F(ManifestTest, ErrorsNameFileAndFault) {
+  const std::pair<std::string, std::string> faults[] = {
+      {"frame = 10", "frame"},
+      {"[lens]\nf = 1", "lens"},
+      {"[camera]\nfocal = 3.0", "focal"},
+      {"frames = 0", "frames"},
+      {"frames = 'ten'", "frames"},
+      {"[camera]\nwidth = -3", "width"},
+      {"[camera]\nfx = 0.0", "fx"},
+      {"[camera]\nmodel = 'fisheye'", "projective"},
+      {"[pose]\njitter_deg = 400.0", "jitter_deg"},
+      {"[pose]\nmotion = 'jump'", "smooth"},
+      {"[pose]\ngesture_share = 0.0\npair_share = 0.0\nmixed_share = 0.0\nclosing_share = 0.0\nuniform_share "
+       "= 0.0",
+       "gesture_share"},
+      {"[placement]\nnearest_mm = 800.0\nfarthest_mm = 400.0", "nearest_mm"},
+      {"[sensor]\nsigma_mm = nan", "sigma_mm"},
+      {"[body]\npeople = 0", "people"},
+      {"seed = = 3", "m.toml"}};
+  for (const auto& [text, fault] : faults) {
+    const std::string message = error_of_manifest(text);
+    EXPECT_THAT(message, HasSubstr("m.toml")) << text;
+    EXPECT_THAT(message, HasSubstr(fault)) << text;
+    EXPECT_THAT(message, ::testing::Not(HasSubstr("\n"))) << text;
+  }
+}
+
+TEST_F(ManifestTest, AMissingFileOrBodyIsNamed) {
+  EXPECT_THAT(testing::error_of([&] { load_manifest(folder_ / "none.toml"); }), HasSubstr("none.toml"));
+  const auto path = written("[body]\nfile = 'nobody.h5'");
+  EXPECT_THAT(testing::error_of([&] { open_synthetic(path); }), HasSubstr("nobody.h5"));
+}
+
+TEST_F(ManifestTest, WhereMakeHumanIsMissingTheErrorSaysWhatFetchesIt) {
+  const std::string nowhere = (folder_ / "nowhere").string();
+  const char* before = std::getenv("KNUCKLE_MAKEHUMAN");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("KNUCKLE_MAKEHUMAN", nowhere.c_str(), 1);
+  const std::string message = testing::error_of([&] { open_synthetic(written("")); });
+  if (before == nullptr) {
+    unsetenv("KNUCKLE_MAKEHUMAN");
+  } else {
+    setenv("KNUCKLE_MAKEHUMAN", kept.c_str(), 1);
+  }
+  EXPECT_THAT(message, HasSubstr("scripts/fetch_makehuman.sh"));
+  EXPECT_THAT(message, HasSubstr(nowhere));
+}
+
+TEST(ShippedManifests, AreRead) {
+  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml"}) {
+    EXPECT_NO_THROW(load_manifest(resource_path(name))) << name;
+  }
+}
+
+}  // namespace
+}  // namespace knuckle

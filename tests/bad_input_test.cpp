@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bad input ends with status 1 and one line that names file and fault; nothing half-written stays.
+#include "program.h"
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/hdf5_file.h"
+#include "knuckle/core/image_io.h"
+#include "knuckle/core/random.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr const char* kDemoManifest = "manifests/demo.toml";
+constexpr const char* kDemoSource = "synthetic:manifests/demo.toml?count=2";
+
+class BadInputTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_ / name; }
+
+  /// A folder set of one frame; `depth` is its image.
+  std::string make_set(const Image<std::uint16_t>& depth, const std::string& extra_toml = "",
+                       const std::string& joints = "") {
+    make_folder(path("set/depth"));
+    write_text_file(path("set/dataset.toml"), extra_toml +
+                                                  "\n[camera]\nmodel = 'projective'\nwidth = 64\nheight = "
+                                                  "48\nfx = 60\nfy = 60\ncx = 32\ncy = 24\n");
+    write_png(path("set/depth/000000.png"), depth);
+    if (!joints.empty()) write_text_file(path("set/joints.txt"), joints);
+    return "folder:" + path("set");
+  }
+
+  ProgramRun inspect(const std::string& source) { return run_program({"inspect", "--source", source}); }
+
+  ProgramRun estimate(const std::string& source, const std::string& pipeline = "pipelines/default.toml") {
+    return run_program({"estimate", "--source", source, "--pipeline", pipeline, "--out", path("poses.txt")});
+  }
+
+  std::string pipeline_file(const std::string& toml) {
+    write_text_file(path("pipeline.toml"), toml);
+    return path("pipeline.toml");
+  }
+
+  std::string model_file() const { return std::filesystem::absolute("models/pose_forest.h5"); }
+
+  TemporaryFolder folder_;
+  Image<std::uint16_t> blank_{64, 48};
+};
+
+TEST_F(BadInputTest, ASourceThatIsNoneOrMissing) {
+  EXPECT_THAT(inspect("nowhere"), FailedWith("nowhere"));
+  EXPECT_THAT(inspect("painting:x"), FailedWith("painting"));
+  EXPECT_THAT(inspect("folder:/nowhere/set"), FailedWith("/nowhere/set"));
+  EXPECT_THAT(inspect("h5:/nowhere/set.h5"), FailedWith("/nowhere/set.h5"));
+  EXPECT_THAT(inspect("synthetic:/nowhere/m.toml"), FailedWith("/nowhere/m.toml"));
+  for (const std::string kind : {"icg", "icvl", "nyu", "msra15", "hands17"}) {
+    EXPECT_THAT(inspect(kind + ":/nowhere"), FailedWith("/nowhere")) << kind;
+  }
+}
+
+TEST_F(BadInputTest, AnEmptySource) {
+  make_folder(path("empty"));
+  for (const std::string kind : {"folder", "icg", "icvl", "nyu", "msra15", "hands17"}) {
+    EXPECT_THAT(inspect(kind + ":" + path("empty")), FailedWith("empty")) << kind;
+  }
+  make_set(blank_);
+  std::filesystem::remove(path("set/depth/000000.png"));
+  EXPECT_THAT(inspect("folder:" + path("set")), FailedWith("set"));
+}
+
+TEST_F(BadInputTest, ASelectionThatLeavesNothingOrIsNone) {
+  const std::string set = make_set(blank_);
+  EXPECT_THAT(inspect(set + "?first=5"), FailedWith("first"));
+  EXPECT_THAT(inspect(set + "?count=many"), FailedWith("count"));
+  EXPECT_THAT(inspect(set + "?colour=red"), FailedWith("colour"));
+  EXPECT_THAT(run_program({"inspect", "--source", set, "--frame", "1"}), FailedWith("frame 1"));
+}
+
+TEST_F(BadInputTest, ADepthImageThatIsCutShortOrNoneOrOfAnotherKind) {
+  const std::string set = make_set(blank_);
+  const std::string bytes = read_text_file(path("set/depth/000000.png"));
+  write_text_file(path("set/depth/000000.png"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(inspect(set), FailedWith("000000.png"));
+  write_text_file(path("set/depth/000000.png"), "no picture");
+  EXPECT_THAT(inspect(set), FailedWith("000000.png"));
+  write_png(path("set/depth/000000.png"), Image<std::uint8_t>(64, 48));
+  EXPECT_THAT(inspect(set), FailedWith("000000.png"));
+  write_png(path("set/depth/000000.png"), Image<std::uint16_t>(32, 48));
+  EXPECT_THAT(inspect(set), FailedWith("000000.png"));
+}
+
+TEST_F(BadInputTest, LabelsWithTooFewOrOtherThanNumbers) {
+  std::string joints;
+  for (int i = 0; i < 20; ++i) joints += "1 2 300 ";
+  EXPECT_THAT(inspect(make_set(blank_, "convention = 'icg20'", joints)), Succeeded());
+  EXPECT_THAT(inspect(make_set(blank_, "convention = 'icg20'", "1 2 3\n")), FailedWith("joints.txt"));
+  EXPECT_THAT(inspect(make_set(blank_, "convention = 'icg20'", "x" + joints)), FailedWith("joints.txt"));
+  EXPECT_THAT(inspect(make_set(blank_, "convention = 'icg21'", joints)), FailedWith("icg21"));
+}
+
+TEST_F(BadInputTest, AnIcgSetWithoutCalibration) {
+  make_folder(path("icg/clean"));
+  write_text_file(path("icg/clean/1_2_depth.csv"), "400,400\n400,400\n");
+  EXPECT_THAT(inspect("icg:" + path("icg")), FailedWith("calib"));
+  write_text_file(path("icg/calib.txt"), "200 200\n1 1\n");
+  EXPECT_THAT(inspect("icg:" + path("icg")), Succeeded());
+  write_text_file(path("icg/clean/1_2_depth.csv"), "400,400\n400\n");
+  EXPECT_THAT(inspect("icg:" + path("icg")), FailedWith("1_2_depth.csv"));
+  write_text_file(path("icg/clean/1_2_depth.csv"), "400,400\n400,far\n");
+  EXPECT_THAT(inspect("icg:" + path("icg")), FailedWith("1_2_depth.csv"));
+}
+
+TEST_F(BadInputTest, AnExrOrH5ThatIsCutShortOrForeign) {
+  ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--count", "2", "--out", path("set.h5")}),
+              Succeeded());
+  const std::string bytes = read_text_file(path("set.h5"));
+  write_text_file(path("cut.h5"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(inspect("h5:" + path("cut.h5")), FailedWith("cut.h5"));
+  write_text_file(path("foreign.h5"), "text");
+  EXPECT_THAT(inspect("h5:" + path("foreign.h5")), FailedWith("foreign.h5"));
+  EXPECT_THAT(inspect("h5:" + model_file()), FailedWith("pose_forest.h5"));
+
+  ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--count", "1", "--format", "icg", "--out",
+                           path("icg")}),
+              Succeeded());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path("icg"))) {
+    if (entry.path().extension() == ".exr")
+      write_text_file(entry.path(), read_text_file(entry.path()).substr(0, 500));
+  }
+  EXPECT_THAT(inspect("icg:" + path("icg")), FailedWith(".exr"));
+}
+
+TEST_F(BadInputTest, PredictionsWithFewerOrOtherLinesThanTruth) {
+  ASSERT_THAT(run_program({"estimate", "--source", kDemoSource, "--out", path("two.txt")}), Succeeded());
+  const auto evaluate = [&](const std::string& truth, const std::string& predictions) {
+    return run_program({"evaluate", "--truth", truth, "--predictions", predictions});
+  };
+  EXPECT_THAT(evaluate("synthetic:manifests/demo.toml?count=3", "x=" + path("two.txt")),
+              FailedWith("two.txt"));
+  EXPECT_THAT(evaluate(kDemoSource, "x=" + path("none.txt")), FailedWith("none.txt"));
+  EXPECT_THAT(evaluate(kDemoSource, path("two.txt")), FailedWith("two.txt"));
+  EXPECT_THAT(evaluate(path("two.txt"), "x=" + path("two.txt")), FailedWith("--camera"));
+  write_text_file(path("bad.txt"), "# convention: icg20\n1 2 three\n");
+  EXPECT_THAT(evaluate("synthetic:manifests/demo.toml?count=1", "x=" + path("bad.txt")),
+              FailedWith("bad.txt:2"));
+}
+
+TEST_F(BadInputTest, APipelineWithAnUnknownKeyTypeOrRange) {
+  const std::string estimator = "[estimator]\nmethod = 'forest'\nmodel = '" + model_file() + "'\n";
+  EXPECT_THAT(estimate(kDemoSource, pipeline_file(estimator)), Succeeded());
+  const auto fault = [&](const std::string& toml, const std::string& part) {
+    EXPECT_THAT(estimate(kDemoSource, pipeline_file(estimator + toml)), FailedWith("pipeline.toml:" + part))
+        << toml;
+  };
+  fault("[segmentation]\nbandwith_mm = 13\n", "5: segmentation.bandwith_mm: unknown key");
+  fault("[segmentation]\nbandwidth_mm = 'wide'\n", "5: segmentation.bandwidth_mm: expected a number");
+  fault("[segmentation]\nbandwidth_mm = -1\n", "5: segmentation.bandwidth_mm: is -1");
+  fault("[segmentation]\nmethod = 'magic'\n", "5: segmentation.method");
+  fault("[hand]\nside = 'both'\n", "5: hand.side");
+  fault("[hand]\nmax_hands = 0\n", "5: hand.max_hands: is 0");
+  fault("[patch]\nsize_px = 48\n", "5: patch.size_px: is 48, but the model was trained on patches of 96 px");
+  fault("[[refine]]\nmethod = 'polish'\n", "5: refine[1].method");
+  fault("[extra]\n", "4: extra: unknown key");
+  EXPECT_THAT(estimate(kDemoSource, pipeline_file("[estimator]\nmethod = 'forest'\n")), FailedWith("model"));
+  EXPECT_THAT(estimate(kDemoSource, pipeline_file("[estimator\n")), FailedWith("pipeline.toml:1"));
+  EXPECT_THAT(estimate(kDemoSource, path("none.toml")), FailedWith("none.toml"));
+}
+
+TEST_F(BadInputTest, AModelThatIsMissingCutShortForeignOrOfAnotherVersion) {
+  const std::string pipeline = pipeline_file("[estimator]\nmethod = 'forest'\nmodel = 'model.h5'\n");
+  EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.h5"));
+  const std::string bytes = read_text_file(model_file());
+  for (const double part : {0.001, 0.3, 0.95}) {
+    write_text_file(path("model.h5"), bytes.substr(0, static_cast<std::size_t>(part * double(bytes.size()))));
+    EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.h5")) << part;
+  }
+  write_text_file(path("model.h5"), bytes);
+  EXPECT_THAT(estimate(kDemoSource, pipeline), Succeeded());
+  {
+    Hdf5File model = Hdf5File::open_for_writing(path("model.h5"));
+    model.set_attribute("version", 99);
+  }
+  EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("version 99"));
+}
+
+TEST_F(BadInputTest, AManifestThatIsWrong) {
+  write_text_file(path("manifest.toml"), "frames = -3\n");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("manifest.toml:1: frames"));
+  write_text_file(path("manifest.toml"), "farmes = 3\n");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("manifest.toml:1: farmes"));
+  EXPECT_THAT(
+      run_program({"render", "--manifest", kDemoManifest, "--first", "100000", "--out", path("x.h5")}),
+      FailedWith("demo.toml"));
+  EXPECT_THAT(run_program({"render", "--manifest", kDemoManifest, "--format", "gif", "--out", path("x.gif")}),
+              FailedWith("gif"));
+}
+
+TEST_F(BadInputTest, ATrainingWithoutTruthOrWithAWrongConfiguration) {
+  const auto train = [&](const std::string& toml) {
+    write_text_file(path("train.toml"), toml);
+    return run_program({"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.h5")});
+  };
+  make_set(blank_);
+  EXPECT_THAT(train("source = 'folder:set'\n"), FailedWith("no truth"));
+  EXPECT_THAT(train(""), FailedWith("train.toml: source"));
+  EXPECT_THAT(train("source = 'folder:set'\nconvention = 'icg21'\n"), FailedWith("train.toml:2: convention"));
+  EXPECT_THAT(train("source = 'folder:set'\n[forest]\ntrees = 0\n"),
+              FailedWith("train.toml:3: forest.trees"));
+  EXPECT_THAT(train("source = 'folder:set'\n[forest]\ntress = 2\n"),
+              FailedWith("train.toml:3: forest.tress"));
+  std::string joints;
+  for (int i = 0; i < 20; ++i) joints += "1 2 300 ";
+  make_set(blank_, "convention = 'icg20'", joints);
+  EXPECT_THAT(train("source = 'folder:set'\n"), FailedWith("no frame can be trained on"));
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains("forest.h5")));
+}
+
+TEST_F(BadInputTest, OutputThatCannotBeWrittenLeavesNothing) {
+  const std::string nowhere = "/proc/knuckle/out";
+  EXPECT_THAT(run_program({"segment", "--source", kDemoSource, "--out", nowhere}), FailedWith(nowhere));
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--out", nowhere}), FailedWith(nowhere));
+  EXPECT_THAT(run_program({"demo", "--out", nowhere}), FailedWith(nowhere));
+  EXPECT_THAT(run_program({"inspect", "--source", kDemoSource, "--png", nowhere}), FailedWith(nowhere));
+  for (const std::string format : {"h5", "folder", "icg"}) {
+    EXPECT_THAT(run_program({"render", "--manifest", kDemoManifest, "--count", "1", "--format", format,
+                             "--out", nowhere}),
+                FailedWith(nowhere))
+        << format;
+  }
+}
+
+TEST_F(BadInputTest, AFullDiskLeavesNothingUnderTheFinalName) {
+  make_folder(path("out"));
+  EXPECT_THAT(run_program_on_full_disk(
+                  4, {"render", "--manifest", kDemoManifest, "--count", "4", "--out", path("out/set.h5")}),
+              FailedWith("set.h5"));
+  EXPECT_THAT(entries_of(path("out")), Not(Contains("set.h5")));
+  EXPECT_THAT(
+      run_program_on_full_disk(4, {"inspect", "--source", kDemoSource, "--png", path("out/frame.png")}),
+      FailedWith("frame.png"));
+  EXPECT_THAT(entries_of(path("out")), Not(Contains("frame.png")));
+  EXPECT_THAT(run_program_on_full_disk(1, {"estimate", "--source", "synthetic:manifests/demo.toml?count=20",
+                                           "--out", path("out/poses.txt")}),
+              FailedWith("poses.txt"));
+  EXPECT_THAT(entries_of(path("out")), Not(Contains("poses.txt")));
+  EXPECT_THAT(run_program_on_full_disk(20, {"demo", "--out", path("out/demo")}), FailedWith("out/demo"));
+  EXPECT_THAT(entries_of(path("out/demo")), Not(Contains("report.html")));
+}
+
+TEST_F(BadInputTest, AFrameOfZerosHasNoHand) {
+  ASSERT_THAT(estimate(make_set(blank_)), Succeeded());
+  EXPECT_THAT(read_lines(path("poses.txt"))[1], HasSubstr("nan nan nan"));
+}
+
+TEST_F(BadInputTest, AFrameOfNoiseOrAHandAtTheBorderIsAStatus) {
+  Random random(3);
+  for (auto& pixel : blank_.pixels()) pixel = static_cast<std::uint16_t>(random());
+  ASSERT_THAT(estimate(make_set(blank_)), Succeeded());
+  const std::string noise = read_lines(path("poses.txt"))[1];
+  EXPECT_TRUE(noise.find("nan") == std::string::npos ||
+              noise.find_first_of("0123456789") == std::string::npos)
+      << "a pose is whole or missing: " << noise;
+
+  for (int row = 0; row < 48; ++row) {
+    for (int column = 0; column < 64; ++column) blank_(column, row) = column < 20 ? 400 : 0;
+  }
+  ASSERT_THAT(estimate(make_set(blank_)), Succeeded());
+  EXPECT_EQ(read_lines(path("poses.txt")).size(), 2u);
+}
+
+}  // namespace
+}  // namespace knuckle::testing

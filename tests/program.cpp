@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program.h"
+
+#include <algorithm>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include "knuckle/core/file_io.h"
+
+extern char** environ;
+
+namespace knuckle::testing {
+namespace {
+
+std::vector<char*> as_pointers(std::vector<std::string>& arguments) {
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+int status_of(int wait_status) {
+  return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
+}
+
+ProgramRun run_command(std::vector<std::string> command) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const std::string error = folder / "error";
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_addopen(&actions, 2, error.c_str(), O_WRONLY | O_CREAT, 0600);
+  pid_t process = 0;
+  const int fault = posix_spawnp(&process, command.front().c_str(), &actions, nullptr,
+                                 as_pointers(command).data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (fault != 0) throw std::runtime_error("cannot start " + command.front());
+
+  int wait_status = 0;
+  ::waitpid(process, &wait_status, 0);
+  return {status_of(wait_status), read_text_file(out), read_text_file(error)};
+}
+
+}  // namespace
+
+ProgramRun run_program(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = {KNUCKLE_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_command(std::move(command));
+}
+
+ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments) {
+  // The limit's signal is ignored, so that a write that goes beyond it fails as on a full disk.
+  const std::string limited = fmt::format("trap '' XFSZ; ulimit -f {}; exec \"$@\"", kilobytes);
+  std::vector<std::string> command = {"bash", "-c", limited, "bash", KNUCKLE_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_command(std::move(command));
+}
+
+std::vector<std::string> entries_of(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+}  // namespace knuckle::testing

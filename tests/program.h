@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/testing.h"
+
+namespace knuckle::testing {
+
+/// What a run of the program left.
+struct ProgramRun {
+  int status = -1;  ///< exit status; 128 + the signal's number where a signal ended it
+  std::string out;
+  std::string error;
+};
+
+/// Runs the program with these arguments from the project's folder and waits for it.
+ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// The same on a disk that is full: no file of the program may grow beyond `kilobytes`.
+ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments);
+
+/// Matches a run that ended with status 0; shows what it printed otherwise.
+MATCHER(Succeeded, "") {
+  *result_listener << "status " << arg.status << ", error output: " << arg.error;
+  return arg.status == 0;
+}
+
+/// Matches a run that ended with status 1 and exactly one line of error output that holds `part`.
+MATCHER_P(FailedWith, part, "") {
+  *result_listener << "status " << arg.status << ", error output: " << arg.error;
+  const bool is_one_line = std::count(arg.error.begin(), arg.error.end(), '\n') == 1;
+  return arg.status == 1 && is_one_line && arg.error.find(part) != std::string::npos;
+}
+
+/// Names of what lies in a folder, hidden files included; empty where there is no such folder.
+std::vector<std::string> entries_of(const std::filesystem::path& folder);
+
+}  // namespace knuckle::testing

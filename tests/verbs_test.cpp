@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// The verbs as a user types them.
+#include "program.h"
+
+#include <nlohmann/json.hpp>
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/image_io.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr const char* kDemoSource = "synthetic:manifests/demo.toml?count=6";
+
+class VerbsTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_ / name; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
+  for (const std::vector<std::string> verb : {std::vector<std::string>{"info"},
+                                              {"inspect"},
+                                              {"render"},
+                                              {"train", "pose-forest"},
+                                              {"segment"},
+                                              {"estimate"},
+                                              {"evaluate"},
+                                              {"demo"}}) {
+    std::vector<std::string> arguments = verb;
+    arguments.push_back("--help");
+    const ProgramRun run = run_program(arguments);
+    EXPECT_THAT(run, Succeeded());
+    EXPECT_THAT(run.out, HasSubstr("Example:\n  knuckle " + verb.front()));
+    EXPECT_THAT(run.out, HasSubstr("--threads"));
+  }
+}
+
+TEST_F(VerbsTest, WrongUsageEndsWithStatusTwo) {
+  for (const std::vector<std::string> arguments :
+       {std::vector<std::string>{},
+        {"paint"},
+        {"segment"},
+        {"info", "--colour"},
+        {"train"},
+        {"segment", "--source", kDemoSource, "--out", "x", "--init", "somewhere"},
+        {"info", "--threads", "-1"},
+        {"info", "--threads", "many"}}) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 2) << ::testing::PrintToString(arguments) << run.error;
+    EXPECT_FALSE(run.error.empty());
+  }
+}
+
+TEST_F(VerbsTest, InfoListsEveryMethodByKind) {
+  const ProgramRun run = run_program({"info", "--json"});
+  ASSERT_THAT(run, Succeeded());
+  const auto info = nlohmann::json::parse(run.out);
+  EXPECT_THAT(info["segmenters"].get<std::vector<std::string>>(), Contains("mean_shift"));
+  EXPECT_THAT(info["estimators"].get<std::vector<std::string>>(), Contains("forest"));
+  EXPECT_THAT(info["refiners"].get<std::vector<std::string>>(), Contains("depth_lookup"));
+  EXPECT_THAT(info["sources"].get<std::vector<std::string>>(), Contains("synthetic"));
+  EXPECT_EQ(info["conventions"].size(), 7u);
+}
+
+TEST_F(VerbsTest, InspectDrawsAFrame) {
+  const ProgramRun run =
+      run_program({"inspect", "--source", kDemoSource, "--frame", "2", "--png", path("frame.png")});
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, HasSubstr("frames       6"));
+  EXPECT_THAT(run.out, HasSubstr("knuckle22"));
+  EXPECT_FALSE(read_png_rgb(path("frame.png")).empty());
+}
+
+TEST_F(VerbsTest, WhatIsRenderedReadsBackInEveryFormat) {
+  for (const std::string format : {"h5", "folder", "icg"}) {
+    const std::string out = path("set_" + format);
+    ASSERT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--format", format, "--out", out,
+                             "--first", "2", "--count", "3"}),
+                Succeeded());
+    const ProgramRun run = run_program({"inspect", "--source", format + ":" + out, "--frame", "2"});
+    ASSERT_THAT(run, Succeeded());
+    EXPECT_THAT(run.out, HasSubstr("frames       3"));
+    EXPECT_THAT(run.out, HasSubstr("joints known"));
+  }
+}
+
+TEST_F(VerbsTest, SegmentWritesALineAFrame) {
+  ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", "pipelines/default.toml",
+                           "--out", path("boxes.csv")}),
+              Succeeded());
+  const auto lines = read_lines(path("boxes.csv"));
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_EQ(lines[0], "frame,found,x,y,width,height,milliseconds");
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    EXPECT_THAT(lines[i], StartsWith(std::to_string(i - 1) + ",1,"));
+  EXPECT_TRUE(std::filesystem::exists(path("boxes.csv.options.toml")));
+}
+
+TEST_F(VerbsTest, EstimatesAreEvaluatedAgainstTheirSource) {
+  ASSERT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", "pipelines/default.toml",
+                           "--init", "truth", "--out", path("poses.txt"), "--json", path("summary.json")}),
+              Succeeded());
+  const auto lines = read_lines(path("poses.txt"));
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_EQ(lines[0], "# convention: icg20");
+  const auto summary = nlohmann::json::parse(read_text_file(path("summary.json")));
+  EXPECT_EQ(summary["frames"], 6);
+  EXPECT_EQ(summary["found"], 6);
+
+  ASSERT_THAT(run_program({"evaluate", "--truth", kDemoSource, "--predictions", "forest=" + path("poses.txt"),
+                           "--json", path("scores.json"), "--out", path("report")}),
+              Succeeded());
+  const auto scores = nlohmann::json::parse(read_text_file(path("scores.json")));
+  EXPECT_EQ(scores["methods"][0]["frames"], 6);
+  EXPECT_GT(scores["methods"][0]["mean_3d_mm"], 0.0);
+  EXPECT_LT(scores["methods"][0]["mean_3d_mm"], 60.0);
+  EXPECT_THAT(read_text_file(path("report/report.html")), HasSubstr("<svg"));
+}
+
+TEST_F(VerbsTest, AFrameWithoutAHandIsALineOfNanAndAMissingPrediction) {
+  make_folder(path("set/depth"));
+  write_text_file(
+      path("set/dataset.toml"),
+      "convention = 'icg20'\n[camera]\nmodel = 'projective'\nwidth = 32\nheight = 24\nfx = 30\nfy = 30\n"
+      "cx = 16\ncy = 12\n");
+  write_png(path("set/depth/0.png"), Image<std::uint16_t>(32, 24));
+  std::string truth;
+  for (int i = 0; i < 20; ++i) truth += "10 10 400 ";
+  write_text_file(path("set/joints.txt"), truth + "\n");
+  ASSERT_THAT(run_program({"estimate", "--source", "folder:" + path("set"), "--out", path("poses.txt")}),
+              Succeeded());
+  EXPECT_THAT(read_lines(path("poses.txt"))[1], StartsWith("nan nan nan"));
+  ASSERT_THAT(run_program({"evaluate", "--truth", "folder:" + path("set"), "--predictions",
+                           "x=" + path("poses.txt"), "--json", path("scores.json")}),
+              Succeeded());
+  EXPECT_EQ(nlohmann::json::parse(read_text_file(path("scores.json")))["methods"][0]["missing"], 1);
+}
+
+TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {
+  // A frame and its mirror image, the one with side = right, the other with side = left.
+  const std::string pipeline = read_text_file("pipelines/default.toml");
+  const std::string model = std::filesystem::absolute("models/pose_forest.h5");
+  const auto with = [&](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string right = with(pipeline, "../models/pose_forest.h5", model);
+  write_text_file(path("right.toml"), right);
+  write_text_file(path("left.toml"), with(right, "side = \"right\"", "side = \"left\""));
+  make_folder(path("a/depth"));
+  make_folder(path("b/depth"));
+  ASSERT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--format", "folder", "--out",
+                           path("frames"), "--count", "1"}),
+              Succeeded());
+  const auto depth_file = entries_of(path("frames/depth")).front();
+  const auto depth = read_png16(path("frames/depth/" + depth_file));
+  const std::string toml =
+      "depth_unit_mm = 0.1\n[camera]\nmodel = 'projective'\nwidth = {}\nheight = {}\nfx = 224\nfy = 224\ncx "
+      "= {}\ncy = 120\n";
+  const double centre = (depth.width() - 1) / 2.0;
+  for (const std::string set : {"a", "b"}) {
+    write_text_file(path(set + "/dataset.toml"),
+                    fmt::format(fmt::runtime(toml), depth.width(), depth.height(), centre));
+    write_png(path(set + "/depth/0.png"), set == "a" ? depth : mirrored(depth));
+  }
+  ASSERT_THAT(run_program({"estimate", "--source", "folder:" + path("a"), "--pipeline", path("right.toml"),
+                           "--out", path("right.txt")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"estimate", "--source", "folder:" + path("b"), "--pipeline", path("left.toml"),
+                           "--out", path("left.txt")}),
+              Succeeded());
+  std::istringstream right_line(read_lines(path("right.txt"))[1]);
+  std::istringstream left_line(read_lines(path("left.txt"))[1]);
+  double right_value = 0.0;
+  double left_value = 0.0;
+  for (int i = 0; right_line >> right_value && left_line >> left_value; ++i) {
+    EXPECT_NEAR(left_value, i % 3 == 0 ? depth.width() - 1 - right_value : right_value, 2e-3)
+        << "value " << i;
+  }
+}
+
+TEST_F(VerbsTest, TrainingMakesAModelThatEstimates) {
+  write_text_file(path("train.toml"),
+                  "source = 'synthetic:" + std::filesystem::absolute("manifests/demo.toml").string() +
+                      "?count=30'\nconvention = 'icg20'\n[forest]\ntrees = 2\nsplits_per_node = 50\n");
+  ASSERT_THAT(
+      run_program({"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.h5")}),
+      Succeeded());
+  write_text_file(path("pipeline.toml"), "[estimator]\nmethod = 'forest'\nmodel = 'forest.h5'\n");
+  ASSERT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("pipeline.toml"), "--out",
+                           path("poses.txt")}),
+              Succeeded());
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains(HasSubstr("checkpoint"))));
+}
+
+TEST_F(VerbsTest, TheSameTrainingOnOneAndTwoThreadsMakesTheSameFile) {
+  write_text_file(path("train.toml"),
+                  "source = 'synthetic:" + std::filesystem::absolute("manifests/demo.toml").string() +
+                      "?count=20'\n[forest]\ntrees = 2\nsplits_per_node = 50\n");
+  for (const std::string threads : {"1", "2"}) {
+    ASSERT_THAT(run_program({"train", "pose-forest", "--config", path("train.toml"), "--out",
+                             path("forest" + threads + ".h5"), "--threads", threads}),
+                Succeeded());
+  }
+  EXPECT_EQ(read_text_file(path("forest1.h5")), read_text_file(path("forest2.h5")));
+}
+
+TEST_F(VerbsTest, DemoMakesAReport) {
+  const ProgramRun run = run_program({"demo", "--out", path("demo")});
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, HasSubstr(path("demo/report.html")));
+  EXPECT_THAT(read_text_file(path("demo/report.html")), HasSubstr("data:image/png;base64,"));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
