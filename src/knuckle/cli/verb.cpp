@@ -38,8 +38,8 @@ void remember_command_line(int count, const char* const* arguments) {
 }
 
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml) {
-  const std::filesystem::path path =
-      std::filesystem::is_directory(output) ? output / "options.toml" : output.string() + ".options.toml";
+  std::filesystem::path path = output / "options.toml";
+  if (!std::filesystem::is_directory(output)) path = output.string() + ".options.toml";
   write_text_file(path, fmt::format("# {}\n{}", command_line(), toml));
 }
 

@@ -56,7 +56,7 @@ void check(const PoseForestModel& model, const std::string& origin) {
 /// A small whole number of a file's attribute.
 int integer_attribute(const Hdf5File& file, std::string_view name) {
   const double value = file.number_attribute(name);
-  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  const double most = std::numeric_limits<std::uint16_t>::max();
   if (!(value >= 0.0 && value <= most)) {
     fail("{}: {} is {}, expected a number in [0, {}]", file.path().string(), name, value, most);
   }

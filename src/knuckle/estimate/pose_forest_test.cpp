@@ -61,7 +61,8 @@ TEST(TrainPoseForest, LeavesOutSamplesWithAMissingJoint) {
 
 TEST(TrainPoseForest, RefusesWhatDoesNotFit) {
   PoseTrainingSet set(3, convention(), {.size_px = kTestPatchSize, .mean = {}, .whitening = {}});
-  auto [patch, joints] = made_up_hand(1, convention());
+  HandPatch patch = made_up_hand(1, convention()).first;
+  const std::vector<PatchPoint> joints = made_up_hand(1, convention()).second;
   EXPECT_THAT(error_of([&] { train_pose_forest(set, {}); }), HasSubstr("no samples"));
   EXPECT_THAT(error_of([&] { set.set(2, patch, std::span(joints).first(3)); }),
               HasSubstr("expected the 14 of nyu14"));

@@ -98,8 +98,8 @@ TEST(TrainRegressionForest, DoesNotDependOnTheOrderOfSamples) {
   std::vector<std::int64_t> place(400);
   std::iota(place.begin(), place.end(), 0);
   const RegressionForest forest = train_regression_forest(rows.samples_at(place), options);
-  std::ranges::rotate(place, place.begin() + 123);
-  std::ranges::reverse(place.begin(), place.begin() + 200);
+  std::rotate(place.begin(), place.begin() + 123, place.end());
+  std::reverse(place.begin(), place.begin() + 200);
   expect_same(forest, train_regression_forest(rows.samples_at(place), options));
 }
 

@@ -41,10 +41,10 @@ std::int16_t FeatureQuantizer::operator()(float value) const {
 
 TrainingSamples::TrainingSamples(std::int64_t count, int features, int targets, FeatureQuantizer quantizer)
     : feature_count_(features), target_count_(targets), quantizer_(quantizer) {
-  constexpr std::int64_t most_samples = std::numeric_limits<std::uint32_t>::max();
+  const std::int64_t most_samples = std::numeric_limits<std::uint32_t>::max();
   if (count < 0 || count > most_samples)
     fail("training samples: count is {}, expected [0, {}]", count, most_samples);
-  constexpr int most_features = std::numeric_limits<std::uint16_t>::max();
+  const int most_features = std::numeric_limits<std::uint16_t>::max();
   if (features < 1 || features > most_features) {
     fail("training samples: {} features, expected [1, {}]", features, most_features);
   }

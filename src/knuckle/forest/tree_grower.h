@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -110,7 +111,7 @@ template <SplitFeatures Features, SplitStatistics Statistics>
 std::vector<std::uint32_t> TreeGrower<Features, Statistics>::bag(std::span<const std::uint32_t> samples,
                                                                  std::uint64_t seed) const {
   const double share = options_.bagging_fraction * static_cast<double>(samples.size());
-  const auto count = std::max(std::size_t{1}, static_cast<std::size_t>(share + 0.5));
+  const auto count = std::max(std::size_t{1}, static_cast<std::size_t>(std::lround(share)));
   if (count >= samples.size()) return {samples.begin(), samples.end()};
   Random random(seed, kBagStream);
   return random_subset(samples, count, random);

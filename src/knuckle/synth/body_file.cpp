@@ -92,9 +92,11 @@ void write_body(const Body& body, const std::filesystem::path& path) {
   std::vector<std::int32_t> faces;
   for (const auto& face : body.faces) faces.insert(faces.end(), face.begin(), face.end());
   std::vector<std::int32_t> sections;
-  for (const BodySection& section : body.sections)
+  for (const BodySection& section : body.sections) {
     sections.insert(sections.end(), {section.vertices, section.faces});
+  }
   std::vector<std::string> landmark_names;
+  landmark_names.reserve(kSupersetSize);
   for (int i = 0; i < kSupersetSize; ++i) landmark_names.emplace_back(name_of(static_cast<Landmark>(i)));
 
   write_array(file, "v_template", {body.v_template.size(), 3}, flattened(body.v_template));

@@ -12,7 +12,7 @@ namespace knuckle {
 namespace {
 
 /// The skin ends about this far beyond the middle finger's tip landmark (measured on the mean adult).
-constexpr float kSkinBeyondTip_mm = 1.5f;
+constexpr float kSkinBeyondTipMm = 1.5f;
 
 /// Halvings of [-1, 1]: the hand's length is then exact to a micrometre.
 constexpr int kBisections = 18;
@@ -177,7 +177,7 @@ std::vector<double> shape_coefficients(const Body& body, const PersonShape& pers
 double hand_length_mm(const ShapedBody& person) {
   const auto landmark = [&](Landmark which) { return person.landmarks[static_cast<std::size_t>(which)]; };
   const Eigen::Vector3f tip = landmark(Landmark::middle_tip);
-  const Eigen::Vector3f beyond = (tip - landmark(Landmark::middle_dip)).normalized() * kSkinBeyondTip_mm;
+  const Eigen::Vector3f beyond = (tip - landmark(Landmark::middle_dip)).normalized() * kSkinBeyondTipMm;
   return (tip + beyond - landmark(Landmark::wrist)).norm();
 }
 

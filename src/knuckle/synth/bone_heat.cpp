@@ -13,7 +13,7 @@
 namespace knuckle {
 namespace {
 
-constexpr double kNearest_mm =
+constexpr double kNearestMm =
     1.0;  // a vertex nearer to a bone is heated as if it were this far: keeps H finite
 
 double distance_to(const BoneSegment& bone, const Eigen::Vector3d& point) {
@@ -54,7 +54,7 @@ SurfaceOperators surface_operators(std::span<const Eigen::Vector3d> vertices,
   }
   Eigen::SparseMatrix<double> stiffness(count, count);
   stiffness.setFromTriplets(entries.begin(), entries.end());
-  return {std::move(stiffness), std::move(areas)};
+  return {stiffness, areas};
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ Eigen::MatrixXd bone_heat_weights(std::span<const Eigen::Vector3d> vertices_mm,
         nearest_bone = static_cast<Eigen::Index>(b);
       }
     }
-    const double distance = std::max(nearest, kNearest_mm);
+    const double distance = std::max(nearest, kNearestMm);
     const double strength = surface.areas[i] * heat / (distance * distance);
     surface.stiffness.coeffRef(i, i) += strength;
     heated(i, nearest_bone) = strength;

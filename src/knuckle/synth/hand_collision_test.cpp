@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/hand_collision.h"
 
+#include <Eigen/Geometry>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/synth/hand_sampler.h"
 
@@ -38,8 +40,8 @@ TEST(HandCollision, TheDepthIsThatOfTwoCapsules) {
   const auto tip = static_cast<std::size_t>(Landmark::index_tip);
   points[tip - 1] = {18, 145, 0};  // the index finger's end beside the middle finger's, 8 mm off
   points[tip] = {18, 170, 0};
-  const double radius = 0.068 * (points[static_cast<std::size_t>(Landmark::middle_mcp)] - points[0]).norm();
-  EXPECT_NEAR(worst_penetration_mm(points), 2.0 * radius - 8.0, 0.8);
+  const double radius = 0.078 * (points[static_cast<std::size_t>(Landmark::middle_mcp)] - points[0]).norm();
+  EXPECT_NEAR(worst_penetration_mm(points), 2.0 * radius - 8.0, 0.01);
 }
 
 TEST(HandCollision, DoesNotDependOnTheView) {

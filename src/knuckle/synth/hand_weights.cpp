@@ -78,8 +78,10 @@ void spread_hand_weights(Body& body, const HandOfBody& hand, const std::vector<E
     faces.push_back({place[face[0]], place[face[1]], place[face[2]]});
   }
   std::vector<Eigen::Vector3d> points;
+  points.reserve(members.size());
   for (const std::int32_t vertex : members) points.push_back(vertices[vertex].cast<double>());
   std::vector<BoneSegment> segments;
+  segments.reserve(bones.size());
   for (const auto& [bone, segment] : bones) segments.push_back(segment);
   const Eigen::MatrixXd heat = bone_heat_weights(points, faces, segments, kHeat);
   for (std::size_t i = 0; i < members.size(); ++i) {

@@ -116,10 +116,10 @@ void read_joint_cubes(const json& document, MakeHumanMesh& mesh) {
 }
 
 std::string target_name(std::string key) {
-  constexpr std::string_view kPrefix = "data/targets/";
-  constexpr std::string_view kExtension = ".target";
-  if (key.starts_with(kPrefix)) key.erase(0, kPrefix.size());
-  if (key.ends_with(kExtension)) key.erase(key.size() - kExtension.size());
+  constexpr std::string_view prefix = "data/targets/";
+  constexpr std::string_view extension = ".target";
+  if (key.starts_with(prefix)) key.erase(0, prefix.size());
+  if (key.ends_with(extension)) key.erase(key.size() - extension.size());
   return key;
 }
 
@@ -156,9 +156,10 @@ MakeHumanTargets::MakeHumanTargets(const std::filesystem::path& package_folder, 
 
   std::error_code code;
   const auto size = std::filesystem::file_size(offsets_path_, code);
-  if (code)
+  if (code) {
     fail("{}: the file is missing; scripts/fetch_makehuman.sh fetches MakeHuman's data",
          offsets_path_.string());
+  }
   const std::uintmax_t expected = names_.size() * vertex_count * 3 * sizeof(std::int16_t);
   if (size != expected) fail("{}: has {} bytes, expected {}", offsets_path_.string(), size, expected);
 }

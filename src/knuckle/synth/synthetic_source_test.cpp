@@ -91,13 +91,16 @@ TEST(SyntheticSource, TruthAndMaskFitThePicture) {
     }
     EXPECT_GT(hand, 60);
     for (const ImagePoint& joint : frame.truth->joints) {
-      const int column = static_cast<int>(std::lround(joint.u));
-      const int row = static_cast<int>(std::lround(joint.v));
-      ASSERT_TRUE(frame.depth_mm.contains(column, row));
-      const float surface = frame.depth_mm(column, row);
-      // What is seen at a joint is its own skin or nearer; beside a thin finger nothing may be seen.
-      if (frame.mask(column, row) != 0) EXPECT_LT(surface, joint.depth_mm + 25.0);
+      EXPECT_TRUE(frame.depth_mm.contains(static_cast<int>(std::lround(joint.u)),
+                                          static_cast<int>(std::lround(joint.v))));
     }
+    // The palm's centre lies inside the hand: the camera sees its skin, or a finger before it.
+    const ImagePoint& palm = frame.truth->joints[static_cast<std::size_t>(Landmark::palm)];
+    const int column = static_cast<int>(std::lround(palm.u));
+    const int row = static_cast<int>(std::lround(palm.v));
+    EXPECT_EQ(frame.mask(column, row), 1);
+    EXPECT_LT(frame.depth_mm(column, row), palm.depth_mm);
+    EXPECT_GT(frame.depth_mm(column, row), palm.depth_mm - 120.0);
   }
 }
 
