@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Renders the frames of a dump (tests/import/frame_dump.cpp) with Blender Cycles, as a reference for Knuckle's renderer:
+"""Renders the frames of a dump (tests/import/frame_dump.cpp) with Blender Cycles: a reference for Knuckle's.
 
-    blender --background --factory-startup --python scripts/blender_render.py -- DUMP.h5 --out OUT.npz [--frames N]
+    blender --background --factory-startup --python scripts/blender_render.py --
+        DUMP.h5 --out OUT.npz [--frames N] [--threads N]
 
-Blender does everything itself: its armature poses the mesh, Cycles renders depth and the hand's mask through the
-pixels' centres. OUT: `depth_mm` N x H x W (0: nothing there), `mask` N x H x W, `vertices` N x V x 3 and `landmarks`
-N x 22 x 3 in camera coordinates [mm], `setup_seconds`, and `frame_seconds` and `frame_cpu_seconds` N (pose, render, write an
-EXR file).
+Blender does everything itself: its armature poses the mesh, Cycles renders depth and the hand's mask through
+the pixels' centres. OUT: `depth_mm` N x H x W (0: nothing there), `mask` N x H x W, `vertices` N x V x 3 and
+`landmarks` N x 22 x 3 in camera coordinates [mm], `setup_seconds`, and `frame_seconds` and
+`frame_cpu_seconds` N (pose, render, write an EXR file).
 """
 import argparse
 import math
@@ -32,14 +33,18 @@ def parse_arguments():
     parser.add_argument("--out", required=True)
     parser.add_argument("--frames", type=int, help="only the first of them")
     parser.add_argument("--threads", type=int, default=0, help="0: one a core")
-    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
 
 
 def set_up_render(scene, camera, threads):
     """One ray a pixel, through its centre, without light: the fastest that Cycles does."""
     render = scene.render
     render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y, render.resolution_percentage = camera["width"], camera["height"], 100
+    render.resolution_x, render.resolution_y, render.resolution_percentage = (
+        camera["width"],
+        camera["height"],
+        100,
+    )
     render.use_persistent_data = True
     render.use_compositing, render.use_sequencer = True, False
     if threads > 0:
@@ -55,7 +60,7 @@ def set_up_render(scene, camera, threads):
 
 
 def set_up_camera(scene, camera):
-    """A pinhole camera; cx and cy count from the first pixel's centre, fx and fy differ by the pixels' aspect."""
+    """A pinhole; cx and cy count from the first pixel's centre, fx and fy differ by the pixels' aspect."""
     thing = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(thing)
     scene.camera = thing
@@ -146,7 +151,9 @@ def posed_landmarks(armature, bones, rest_m):
     points = []
     for name, landmark in zip(bones, rest_m):
         bone = armature.pose.bones[name]
-        points.append(armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted() @ Vector(landmark))
+        points.append(
+            armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted() @ Vector(landmark)
+        )
     return in_camera_mm(points)
 
 
@@ -171,7 +178,9 @@ def main():
         body_path = file.attrs["body"]
     with h5py.File(body_path, "r") as file:
         names = file["names"].asstr()[:].tolist()
-        parents, faces, is_hand, weights = (file[name][:] for name in ("parents", "faces", "is_hand", "weights"))
+        parents, faces, is_hand, weights = (
+            file[name][:] for name in ("parents", "faces", "is_hand", "weights")
+        )
         landmark_bones = [names[bone] for bone in file["landmark_bones"][:]]
     count = min(arguments.frames or math.inf, len(dump["rotations_wxyz"]))
 
@@ -183,7 +192,9 @@ def main():
         set_up_camera(scene, camera)
         set_up_output(scene, folder)
         armature = add_armature(scene, names, parents, MM * dump["rest_joints"].astype(np.float64))
-        mesh = add_mesh(armature, names, MM * dump["rest_vertices"].astype(np.float64), faces, is_hand, weights)
+        mesh = add_mesh(
+            armature, names, MM * dump["rest_vertices"].astype(np.float64), faces, is_hand, weights
+        )
         setup_seconds = time.perf_counter() - start
 
         seconds, cpu_seconds, results = [], [], {"depth_mm": [], "mask": [], "vertices": [], "landmarks": []}
@@ -198,11 +209,20 @@ def main():
             cpu_seconds.append(time.process_time() - cpu_start)
 
             depth, mask = read_image(os.path.join(folder, f"frame_{index:04}.exr"), camera)
-            for name, value in (("depth_mm", depth), ("mask", mask), ("vertices", posed_vertices(mesh)),
-                                ("landmarks", posed_landmarks(armature, landmark_bones, MM * dump["rest_landmarks"]))):
+            for name, value in (
+                ("depth_mm", depth),
+                ("mask", mask),
+                ("vertices", posed_vertices(mesh)),
+                ("landmarks", posed_landmarks(armature, landmark_bones, MM * dump["rest_landmarks"])),
+            ):
                 results[name].append(value)
-    np.savez(arguments.out, setup_seconds=setup_seconds, frame_seconds=seconds, frame_cpu_seconds=cpu_seconds,
-             **{name: np.array(values) for name, values in results.items()})
+    np.savez(
+        arguments.out,
+        setup_seconds=setup_seconds,
+        frame_seconds=seconds,
+        frame_cpu_seconds=cpu_seconds,
+        **{name: np.array(values) for name, values in results.items()},
+    )
 
 
 main()

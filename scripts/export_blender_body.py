@@ -7,12 +7,14 @@
 import argparse
 import os
 import sys
+import traceback
 
 import bpy
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import knuckle_body as kb  # noqa: E402
+import knuckle_body_file  # noqa: E402
 import knuckle_landmark_map as lm  # noqa: E402
 
 # Blender's world has z up and figures face -y; Knuckle's body axes are x left, y up, z front.
@@ -20,13 +22,17 @@ BODY_FROM_WORLD = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], np.float64)
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="export_blender_body.py", description="Blender armature + mesh to a body")
+    parser = argparse.ArgumentParser(
+        prog="export_blender_body.py", description="Blender armature + mesh to a body"
+    )
     parser.add_argument("--out", required=True, help="the body file to write (.h5)")
     parser.add_argument("--armature", help="the armature object; needed where the file has several")
     parser.add_argument("--mesh", help="the mesh object; needed where the armature moves several")
     parser.add_argument("--landmarks", help="TOML map of the 22 landmarks; default: MakeHuman's bone names")
-    parser.add_argument("--mirror", action="store_true", help="the model is a left hand: exchange left and right")
-    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [])
+    parser.add_argument(
+        "--mirror", action="store_true", help="the model is a left hand: exchange left and right"
+    )
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
 
 
 def choose(kind, name, candidates, option):
@@ -50,7 +56,7 @@ def is_moved_by(mesh, armature):
     return any(modifier.type == "ARMATURE" and modifier.object == armature for modifier in mesh.modifiers)
 
 
-def metres_to_mm(scene):
+def unit_in_mm(scene):
     """mm of one of Blender's units, as the scene's settings have it."""
     return 1000.0 * (scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0)
 
@@ -140,15 +146,38 @@ def shape_directions(mesh, space):
     return directions
 
 
-def joint_group(point, vertices, dense, columns):
-    """A point of the skeleton by vertices that the bones `columns` move, or by any where those do not do."""
-    members = np.flatnonzero(dense[:, columns].sum(axis=1) > 0.1)
-    if len(members) >= 8:
+class Skeleton:
+    """Bones of an armature, parents before children, among the vertices that they move."""
+
+    def __init__(self, bones, space, vertices, dense):
+        self.bones = bones
+        self.number = {bone.name: index for index, bone in enumerate(bones)}
+        self.parents = [self.number[bone.parent.name] if bone.parent else -1 for bone in bones]
+        self.space = space
+        self.vertices = vertices
+        self.dense = dense
+
+    def group(self, name, end):
+        """A bone's head or tail by vertices that it or its parent moves, or by any where those do not do."""
+        index = self.number[name]
+        bone = self.bones[index]
+        point = self.space.points(bone.head_local if end == "head" else bone.tail_local)
+        columns = [index, self.parents[index]] if end == "head" and bone.parent else [index]
+        members = np.flatnonzero(self.dense[:, columns].sum(axis=1) > 0.1)
         try:
-            return kb.point_as_group(point, vertices, members)
+            return kb.point_as_group(point, self.vertices, members)
         except kb.BodyError:
-            pass
-    return kb.point_as_group(point, vertices, np.arange(len(vertices)))
+            return kb.point_as_group(point, self.vertices, np.arange(len(self.vertices)))
+
+    def landmarks(self, landmark_map):
+        """The 22 vertex groups and the bones that carry them."""
+        groups, carriers = {}, {}
+        for name, points in landmark_map.points.items():
+            groups[name] = kb.mean_group([self.group(point.bone, point.end) for point in points])
+            carriers[name] = self.number[points[0].bone]
+        groups.setdefault("palm", kb.palm_group(groups))
+        carriers.setdefault("palm", carriers["wrist"])
+        return [groups[name] for name in kb.LANDMARKS], [carriers[name] for name in kb.LANDMARKS]
 
 
 def notes(mesh, armature, dropped):
@@ -161,55 +190,73 @@ def notes(mesh, armature, dropped):
     if any(bone.bbone_segments > 1 for bone in armature.data.bones):
         yield "bendy bones become straight ones"
     if dropped > 1e-6:
-        yield f"vertices with more than {kb.BONES_A_VERTEX} bones lose up to {100 * dropped:.1f} % of their weight"
+        yield (
+            f"vertices with more than {kb.BONES_A_VERTEX} bones lose up to "
+            f"{100 * dropped:.1f} % of their weight"
+        )
 
 
-def export(arguments):
-    meshes = [thing for thing in bpy.data.objects if thing.type == "MESH"]
-    armature = choose("armature", arguments.armature,
-                      [thing for thing in bpy.data.objects if thing.type == "ARMATURE"], "--armature")
-    mesh = choose(f"mesh that '{armature.name}' moves", arguments.mesh,
-                  [mesh for mesh in meshes if is_moved_by(mesh, armature)], "--mesh")
-    bones = bones_in_order(armature)
-    landmark_map = lm.read_landmark_map(arguments.landmarks) if arguments.landmarks else lm.makehuman_map()
-    lm.check_bones(landmark_map, arguments.landmarks or "MakeHuman's landmarks (see --landmarks)",
-                   {bone.name for bone in bones})
+def choose_objects(arguments):
+    """The armature, and the mesh that it moves."""
+    if not bpy.data.filepath:
+        kb.fail("no .blend file was read: name one before --python")
+    armatures = [thing for thing in bpy.data.objects if thing.type == "ARMATURE"]
+    armature = choose("armature", arguments.armature, armatures, "--armature")
+    meshes = [thing for thing in bpy.data.objects if thing.type == "MESH" and is_moved_by(thing, armature)]
+    return armature, choose(f"mesh that '{armature.name}' moves", arguments.mesh, meshes, "--mesh")
 
+
+def choose_landmarks(path, bones):
+    landmark_map = lm.read_landmark_map(path) if path else lm.makehuman_map()
+    lm.check_bones(
+        landmark_map, path or "MakeHuman's landmarks (see --landmarks)", {bone.name for bone in bones}
+    )
+    return landmark_map
+
+
+def body_of(armature, mesh, landmark_map):
+    """The body, and the largest share of a vertex's weight that it drops."""
     groups = {group.name for group in mesh.vertex_groups}
+    bones = bones_in_order(armature)
     moving = {bone.name for bone in bones if bone.use_deform and bone.name in groups}
     bones = with_ancestors(bones, moving | landmark_map.bones())
     dense = group_weights(mesh, [bone.name if bone.name in moving else None for bone in bones])
     weight_bones, weights, dropped = kb.strongest_weights(dense)
 
-    unit_mm = metres_to_mm(bpy.context.scene)
-    space, bone_space = Space(mesh, unit_mm), Space(armature, unit_mm)
+    unit_mm = unit_in_mm(bpy.context.scene)
+    space = Space(mesh, unit_mm)
     vertices = space.points(rest_vertices(mesh)).astype(np.float32)
     faces = triangles(mesh)[:, ::-1] if space.flips() else triangles(mesh)
-    number = {bone.name: index for index, bone in enumerate(bones)}
-    parents = [number[bone.parent.name] if bone.parent else -1 for bone in bones]
+    skeleton = Skeleton(bones, Space(armature, unit_mm), vertices, dense)
+    landmarks, landmark_bones = skeleton.landmarks(landmark_map)
+    hand = kb.descendants(skeleton.parents, landmark_bones[kb.LANDMARKS.index("wrist")])
+    body = kb.Body(
+        v_template=vertices,
+        faces=faces,
+        is_hand=kb.hand_faces(faces, weight_bones, weights, hand),
+        weight_bones=weight_bones,
+        weights=weights,
+        names=[landmark_map.renamed.get(bone.name, bone.name) for bone in bones],
+        parents=np.array(skeleton.parents, np.int32),
+        joint_regressor=[skeleton.group(bone.name, "head") for bone in bones],
+        landmark_regressor=landmarks,
+        landmark_bones=np.array(landmark_bones, np.int32),
+        shapedirs=shape_directions(mesh, space),
+    )
+    return body, dropped
 
-    def group_of(bone, end):
-        point = bone_space.points(bone.head_local if end == "head" else bone.tail_local)
-        index = number[bone.name]
-        columns = [index, parents[index]] if end == "head" and parents[index] >= 0 else [index]
-        return joint_group(point, vertices, dense, columns)
 
-    landmarks = {name: kb.mean_group([group_of(bones[number[point.bone]], point.end) for point in points])
-                 for name, points in landmark_map.points.items()}
-    landmarks.setdefault("palm", kb.palm_group(landmarks))
-    wrist = number[landmark_map.points["wrist"][0].bone]
-    carriers = {name: number[points[0].bone] for name, points in landmark_map.points.items()}
-    body = kb.Body(vertices, faces, kb.hand_faces(faces, weight_bones, weights, kb.descendants(parents, wrist)),
-                   weight_bones, weights, [landmark_map.renamed.get(bone.name, bone.name) for bone in bones],
-                   np.array(parents, np.int32), [group_of(bone, "head") for bone in bones],
-                   [landmarks[name] for name in kb.LANDMARKS],
-                   np.array([carriers.get(name, wrist) for name in kb.LANDMARKS], np.int32),
-                   shape_directions(mesh, space))
-    kb.write(kb.mirrored(body) if arguments.mirror else body, arguments.out)
+def export(arguments):
+    armature, mesh = choose_objects(arguments)
+    landmark_map = choose_landmarks(arguments.landmarks, armature.data.bones)
+    body, dropped = body_of(armature, mesh, landmark_map)
+    knuckle_body_file.write(kb.mirrored(body) if arguments.mirror else body, arguments.out)
     for note in notes(mesh, armature, dropped):
         print(f"note: {note}")
-    print(f"{arguments.out}: {len(vertices)} vertices, {len(faces)} faces, {len(bones)} bones, "
-          f"{len(body.shapedirs)} shape directions")
+    print(
+        f"{arguments.out}: {len(body.v_template)} vertices, {len(body.faces)} faces, "
+        f"{len(body.names)} bones, {len(body.shapedirs)} shape directions"
+    )
 
 
 def main():
@@ -217,9 +264,12 @@ def main():
     try:
         export(arguments)
     except kb.BodyError as error:
-        text = str(error)
-        prefix = "" if text.startswith((arguments.out, arguments.landmarks or "\0")) else f"{bpy.data.filepath}: "
-        print(f"export_blender_body.py: {prefix}{text}", file=sys.stderr)
+        named = str(error).startswith((arguments.out, arguments.landmarks or "\0"))
+        prefix = "" if named or not bpy.data.filepath else f"{bpy.data.filepath}: "
+        print(f"export_blender_body.py: {prefix}{error}", file=sys.stderr)
+        sys.exit(1)
+    except Exception:  # Blender itself would go on and exit with 0
+        traceback.print_exc()
         sys.exit(1)
 
 

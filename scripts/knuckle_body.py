@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Knuckle body in Python: its arrays, checks, and the `.h5` file that knuckle reads (docs/import.md).
+"""A Knuckle body in Python: its arrays, how to make them, and checks (docs/import.md).
 
 Lengths are mm; axes are x to the body's left, y up, z to the front.
 """
 import dataclasses
-import os
 
 import numpy as np
 
-FORMAT, VERSION = "knuckle-body", 1
 BONES_A_VERTEX = 4
 WEIGHT_SUM_TOLERANCE = 1e-3
 GROUP_TOLERANCE_MM = 5e-3  # single precision 2 m from the origin, and some
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
-LANDMARKS = ("wrist", "palm", *(f"thumb_{joint}" for joint in ("cmc", "mcp", "ip", "tip")),
-             *(f"{finger}_{joint}" for finger in FINGERS[1:] for joint in ("mcp", "pip", "dip", "tip")))
+LANDMARKS = (
+    "wrist",
+    "palm",
+    *(f"thumb_{joint}" for joint in ("cmc", "mcp", "ip", "tip")),
+    *(f"{finger}_{joint}" for finger in FINGERS[1:] for joint in ("mcp", "pip", "dip", "tip")),
+)
 MCPS = tuple(f"{finger}_mcp" for finger in FINGERS[1:])
 
 
@@ -23,7 +25,9 @@ def generator_bone_names():
     """Landmark -> name of the bone whose head it is, as the generator's poses call it (MakeHuman's names)."""
     names = {"wrist": "wrist.R"}
     for number, finger in enumerate(FINGERS, start=1):
-        for joint, landmark in enumerate([name for name in LANDMARKS if name.startswith(finger)][:3], start=1):
+        for joint, landmark in enumerate(
+            [name for name in LANDMARKS if name.startswith(finger)][:3], start=1
+        ):
             names[landmark] = f"finger{number}-{joint}.R"
     return names
 
@@ -39,8 +43,9 @@ def fail(message):
 @dataclasses.dataclass
 class Group:
     """A point as a weighted mean of vertices; the weights sum to 1 and may be negative."""
+
     vertices: np.ndarray  # N int32
-    weights: np.ndarray   # N float32
+    weights: np.ndarray  # N float32
 
     def position(self, points):
         return self.weights.astype(np.float64) @ np.asarray(points, np.float64)[self.vertices]
@@ -49,20 +54,20 @@ class Group:
 @dataclasses.dataclass
 class ShapeDirection:
     name: str
-    vertices: np.ndarray    # N int32
+    vertices: np.ndarray  # N int32
     offsets_mm: np.ndarray  # N x 3 float32
 
 
 @dataclasses.dataclass
 class Body:
-    v_template: np.ndarray    # V x 3 float32 [mm]
-    faces: np.ndarray         # F x 3 int32, counter-clockwise from outside
-    is_hand: np.ndarray       # F uint8
+    v_template: np.ndarray  # V x 3 float32 [mm]
+    faces: np.ndarray  # F x 3 int32, counter-clockwise from outside
+    is_hand: np.ndarray  # F uint8
     weight_bones: np.ndarray  # V x 4 int32
-    weights: np.ndarray       # V x 4 float32, sum to 1
-    names: list               # B texts, parents before children
-    parents: np.ndarray       # B int32, -1 for a root
-    joint_regressor: list     # B Groups: the bones' heads
+    weights: np.ndarray  # V x 4 float32, sum to 1
+    names: list  # B texts, parents before children
+    parents: np.ndarray  # B int32, -1 for a root
+    joint_regressor: list  # B Groups: the bones' heads
     landmark_regressor: list  # 22 Groups, in the order of LANDMARKS
     landmark_bones: np.ndarray  # 22 int32
     shapedirs: list = dataclasses.field(default_factory=list)  # K ShapeDirections
@@ -78,7 +83,7 @@ def sparse_direction(name, offsets_mm):
 
 
 def strongest_weights(dense):
-    """V x 4 bones and weights from V x B: the strongest four, scaled to sum to 1, and the largest share dropped."""
+    """V x 4 bones and weights of V x B: the strongest four, scaled to sum to 1; the largest share dropped."""
     dense = np.asarray(dense, np.float64)
     finite = np.isfinite(dense).all(axis=1)
     if not finite.all():
@@ -95,11 +100,15 @@ def strongest_weights(dense):
     kept = np.take_along_axis(dense, bones, axis=1)
     kept_sums = kept.sum(axis=1, keepdims=True)
     bones = np.where(kept > 0, bones, 0)
-    return bones.astype(np.int32), (kept / kept_sums).astype(np.float32), float(np.max(1 - kept_sums[:, 0] / sums))
+    return (
+        bones.astype(np.int32),
+        (kept / kept_sums).astype(np.float32),
+        float(np.max(1 - kept_sums[:, 0] / sums)),
+    )
 
 
 def affine_weights(point, vertices):
-    """The weights nearest to equal ones that sum to 1 and whose mean of `vertices` is `point`; None without any."""
+    """The weights nearest to equal ones that sum to 1 and whose mean of `vertices` is `point`, or None."""
     count = len(vertices)
     offsets = (vertices - point) / max(np.abs(vertices - point).max(), 1e-9)
     system = np.vstack([offsets.T, np.ones(count)])
@@ -112,11 +121,13 @@ def affine_weights(point, vertices):
 def point_as_group(point, vertices, candidates):
     """The Group of some of the `candidates` (vertex numbers) whose mean is `point`.
 
-    It takes the nearest vertices, as few as give no negative weight (then the point lies among them, and follows
-    them when the shape changes); where no number does, the one whose negative weights are smallest.
+    It takes the nearest vertices, as few as give no negative weight (then the point lies among them, and
+    follows them when the shape changes); where no number does, the one whose negative weights are smallest.
     """
     points = np.asarray(vertices, np.float64)
     candidates = np.asarray(candidates)
+    if len(candidates) == 0:
+        fail(f"no vertices around {np.round(point, 3)} mm")
     distances = np.linalg.norm(points[candidates] - point, axis=1)
     order = candidates[np.argsort(distances, kind="stable")]
     best, count = None, 8
@@ -129,7 +140,10 @@ def point_as_group(point, vertices, candidates):
             break
         count *= 2
     if best is None:
-        fail(f"no mean of {len(candidates)} vertices lies at {np.round(point, 3)} mm: do they lie in one plane?")
+        fail(
+            f"no mean of {len(candidates)} vertices lies at {np.round(point, 3)} mm: "
+            "do they lie in one plane?"
+        )
     group = Group(best[0].astype(np.int32), best[1].astype(np.float32))
     error = np.linalg.norm(group.position(points) - point)
     if not error <= GROUP_TOLERANCE_MM:
@@ -148,7 +162,7 @@ def mean_group(groups, shares=None):
 
 
 def palm_group(landmarks):
-    """The palm's centre as Knuckle's own body has it: half-way between the wrist and the mean of the four MCPs."""
+    """The palm's centre as in Knuckle's own body: half-way between wrist and mean of the four MCPs."""
     return mean_group([landmarks["wrist"], *(landmarks[name] for name in MCPS)], [0.5] + [0.125] * 4)
 
 
@@ -170,9 +184,12 @@ def descendants(parents, root):
 def mirrored(body):
     """The body with left and right exchanged: a model of a left hand becomes one of a right hand."""
     flip = np.array([-1, 1, 1], np.float32)
-    shapedirs = [dataclasses.replace(direction, offsets_mm=direction.offsets_mm * flip) for direction in body.shapedirs]
-    return dataclasses.replace(body, v_template=body.v_template * flip, faces=body.faces[:, ::-1].copy(),
-                               shapedirs=shapedirs)
+    shapedirs = [
+        dataclasses.replace(direction, offsets_mm=direction.offsets_mm * flip) for direction in body.shapedirs
+    ]
+    return dataclasses.replace(
+        body, v_template=body.v_template * flip, faces=body.faces[:, ::-1].copy(), shapedirs=shapedirs
+    )
 
 
 def check_group(owner, group, vertex_count):
@@ -186,12 +203,15 @@ def check_group(owner, group, vertex_count):
 
 
 def check(body):
-    """Fails where arrays disagree in size, a value is not finite, weights do not sum to 1 or parents come late."""
+    """Fails where sizes disagree, a value is not finite, weights do not sum to 1 or parents come late."""
     vertex_count, bone_count = len(body.v_template), len(body.names)
     if vertex_count == 0 or body.v_template.shape != (vertex_count, 3):
         fail(f"v_template is {body.v_template.shape}, expected vertices x 3")
     if not np.isfinite(body.v_template).all():
-        fail(f"v_template of vertex {np.flatnonzero(~np.isfinite(body.v_template).all(axis=1))[0]} is not finite")
+        fail(
+            f"v_template of vertex {np.flatnonzero(~np.isfinite(body.v_template).all(axis=1))[0]} "
+            "is not finite"
+        )
     if body.faces.ndim != 2 or body.faces.shape[1] != 3 or len(body.faces) == 0:
         fail(f"faces are {body.faces.shape}, expected triangles")
     if body.faces.min() < 0 or body.faces.max() >= vertex_count:
@@ -217,79 +237,3 @@ def dense_weights(body):
     dense = np.zeros((len(body.v_template), len(body.names)), np.float32)
     np.add.at(dense, (np.arange(len(dense))[:, None], body.weight_bones), body.weights)
     return dense
-
-
-def import_h5py():
-    try:
-        import h5py
-    except ImportError:
-        fail("the Python that runs this lacks h5py: install it (Debian: python3-h5py, which Debian's Blender finds)")
-    return h5py
-
-
-def write(body, path):
-    """Writes the body as knuckle reads it; the file appears only when whole."""
-    check(body)
-    h5py = import_h5py()
-    temporary = f"{path}.writing-{os.getpid()}"
-    try:
-        with h5py.File(temporary, "w") as file:
-            write_arrays(file, body, h5py.string_dtype())
-        os.replace(temporary, path)
-    except OSError as error:
-        fail(f"{path}: cannot be written: {error}")
-    finally:
-        if os.path.exists(temporary):
-            os.remove(temporary)
-
-
-def write_arrays(file, body, text):
-    def add(name, values, dtype):
-        values = np.asarray(values, dtype)
-        file.create_dataset(name, data=values, **({"compression": 4} if values.size else {}))
-
-    def add_rows(name, rows, vertices):
-        add(f"{name}_starts", np.cumsum([0] + [len(row) for row in rows]), np.int64)
-        add(f"{name}_vertices", np.concatenate(vertices) if vertices else [], np.int32)
-
-    file.attrs.create("format", FORMAT, dtype=text)
-    file.attrs["version"] = float(VERSION)
-    file.attrs.create("unit", "mm", dtype=text)
-    add("v_template", body.v_template, np.float32)
-    add("faces", body.faces, np.int32)
-    add("is_hand", body.is_hand, np.uint8)
-    add("sections", [[len(body.v_template), len(body.faces)]], np.int32)
-    add("weights", dense_weights(body), np.float32)
-    file.create_dataset("names", data=list(body.names), dtype=text)
-    add("parents", body.parents, np.int32)
-    file.create_dataset("shapedirs_names", data=[direction.name for direction in body.shapedirs], dtype=text)
-    vertices = [direction.vertices for direction in body.shapedirs]
-    add_rows("shapedirs", vertices, vertices)
-    add("shapedirs_offsets", np.concatenate([direction.offsets_mm for direction in body.shapedirs])
-        if body.shapedirs else np.zeros((0, 3)), np.float32)
-    for name, groups in (("joint_regressor", body.joint_regressor), ("landmark_regressor", body.landmark_regressor)):
-        vertices = [group.vertices for group in groups]
-        add_rows(name, vertices, vertices)
-        add(f"{name}_weights", np.concatenate([group.weights for group in groups]), np.float32)
-    file.create_dataset("landmark_names", data=list(LANDMARKS), dtype=text)
-    add("landmark_bones", body.landmark_bones, np.int32)
-
-
-def read(path):
-    """Reads a body that `write` or knuckle wrote."""
-    with import_h5py().File(path, "r") as file:
-        if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
-            fail(f"{path}: no {FORMAT} file of version {VERSION}")
-        arrays = {name: dataset.asstr()[:].tolist() if dataset.dtype.kind == "O" else dataset[:]
-                  for name, dataset in file.items()}
-
-    def rows(name, values):
-        starts = arrays[f"{name}_starts"]
-        return [(arrays[f"{name}_vertices"][first:last], arrays[f"{name}_{values}"][first:last])
-                for first, last in zip(starts[:-1], starts[1:])]
-
-    bones, weights, _ = strongest_weights(arrays["weights"])
-    shapedirs = [ShapeDirection(name, *row) for name, row in zip(arrays["shapedirs_names"], rows("shapedirs", "offsets"))]
-    return Body(arrays["v_template"], arrays["faces"], arrays["is_hand"], bones, weights, arrays["names"],
-                arrays["parents"], [Group(*row) for row in rows("joint_regressor", "weights")],
-                [Group(*row) for row in rows("landmark_regressor", "weights")], arrays["landmark_bones"], shapedirs)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a rig has Knuckle's 22 landmarks: a TOML file of bones, each with `head` or `tail` (docs/import.md)."""
+"""Where a rig has Knuckle's landmarks: a TOML file of bones, each with `head` or `tail` (docs/import.md)."""
 import dataclasses
 import tomllib
 
@@ -14,8 +14,8 @@ class BonePoint:
 
 @dataclasses.dataclass
 class LandmarkMap:
-    points: dict    # landmark -> list of BonePoints, whose mean it is; `palm` may be missing
-    renamed: dict   # the rig's bone -> its name in the body
+    points: dict  # landmark -> list of BonePoints, whose mean it is; `palm` may be missing
+    renamed: dict  # the rig's bone -> its name in the body
 
     def bones(self):
         return {point.bone for points in self.points.values() for point in points} | set(self.renamed)
@@ -54,8 +54,10 @@ def read_landmark_map(path):
     missing = [name for name in LANDMARKS if name not in landmarks and name != "palm"]
     if missing:
         fail(f"{path}: no bone for {', '.join(missing)}")
-    points = {name: [bone_point(path, name, text) for text in (value if isinstance(value, list) else [value])]
-              for name, value in landmarks.items()}
+    points = {
+        name: [bone_point(path, name, text) for text in (value if isinstance(value, list) else [value])]
+        for name, value in landmarks.items()
+    }
     return LandmarkMap(points, new_names(points, table.get("bones", {})))
 
 
@@ -73,8 +75,10 @@ def check_bones(landmark_map, path, known):
     for landmark, points in landmark_map.points.items():
         for point in points:
             if point.bone not in known:
-                fail(f"{path}: {landmark} names the bone '{point.bone}', which the armature lacks; "
-                     f"it has: {', '.join(sorted(known))}")
+                fail(
+                    f"{path}: {landmark} names the bone '{point.bone}', which the armature lacks; "
+                    f"it has: {', '.join(sorted(known))}"
+                )
     for bone in landmark_map.renamed:
         if bone not in known:
             fail(f"{path}: [bones] names the bone '{bone}', which the armature lacks")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads the arrays of a pickled model without running what is in the pickle.
 
-A pickle may name any function of Python to be called. Here only what numpy's arrays are made of is called; objects of
-scipy.sparse and chumpy (which MANO's files hold) are kept as their plain contents, without these packages; any other
-name is refused.
+A pickle may name any function of Python to be called. Here only what numpy's arrays are made of is called;
+objects of scipy.sparse and chumpy (which MANO's files hold) are kept as their plain contents, without these
+packages; any other name is refused.
 """
 import collections
 import pickle
@@ -16,6 +16,7 @@ SPARSE = {f"{layout}_{kind}": layout for layout in ("csc", "csr", "coo") for kin
 
 class Stored:
     """The contents of an object whose class is not loaded."""
+
     class_name = ""
     state = None
 
@@ -42,10 +43,16 @@ def reconstruct_object(kind, base, state):
 
 
 CORE = getattr(np, "_core", None) or np.core  # numpy 2 renamed it
-CALLED = {("numpy", "ndarray"): np.ndarray, ("numpy", "dtype"): np.dtype,
-          ("_codecs", "encode"): encode_latin1, ("collections", "OrderedDict"): collections.OrderedDict,
-          ("copy_reg", "_reconstructor"): reconstruct_object, ("copyreg", "_reconstructor"): reconstruct_object,
-          ("__builtin__", "object"): object, ("builtins", "object"): object}
+CALLED = {
+    ("numpy", "ndarray"): np.ndarray,
+    ("numpy", "dtype"): np.dtype,
+    ("_codecs", "encode"): encode_latin1,
+    ("collections", "OrderedDict"): collections.OrderedDict,
+    ("copy_reg", "_reconstructor"): reconstruct_object,
+    ("copyreg", "_reconstructor"): reconstruct_object,
+    ("__builtin__", "object"): object,
+    ("builtins", "object"): object,
+}
 for package in ("numpy.core", "numpy._core"):
     CALLED[(f"{package}.multiarray", "_reconstruct")] = CORE.multiarray._reconstruct
     CALLED[(f"{package}.multiarray", "scalar")] = CORE.multiarray.scalar
@@ -58,7 +65,9 @@ class ArrayUnpickler(pickle.Unpickler):
             return CALLED[(module, name)]
         if module.split(".")[0] == "chumpy" or (module.startswith("scipy.sparse") and name in SPARSE):
             return type(name, (Stored,), {"class_name": f"{module}.{name}"})
-        raise BodyError(f"refused: it calls {module}.{name}, expected arrays of numpy, scipy.sparse and chumpy only")
+        raise BodyError(
+            f"refused: it calls {module}.{name}, expected arrays of numpy, scipy.sparse and chumpy only"
+        )
 
 
 def read_pickle(path):

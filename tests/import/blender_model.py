@@ -3,8 +3,9 @@
 
     blender --background --factory-startup --python blender_model.py -- FOLDER
 
-It writes FOLDER/plain.blend and its faulty variants no_armature, two_meshes, nan_weight and lost_vertex. Both objects stand moved, turned and scaled in
-the world; the mesh has two shape keys, one of them with a vertex group.
+It writes FOLDER/plain.blend and its faulty variants no_armature, two_meshes, nan_weight and lost_vertex. Both
+objects stand moved, turned and scaled in the world; the mesh has two shape keys, one of them with a vertex
+group.
 """
 import math
 import os
@@ -20,7 +21,10 @@ FINGERS = ("thumb", "index", "middle", "ring", "little")
 SIDES = 10
 
 # A right hand that hangs down, palm to the front (-y): the thumb on the figure's right (-x). Metres.
-joints = {"arm": [Vector((0, 0, 0.25)), Vector((0, 0, 0))], "hand": [Vector((0, 0, 0)), Vector((0, 0, -0.08))]}
+joints = {
+    "arm": [Vector((0, 0, 0.25)), Vector((0, 0, 0))],
+    "hand": [Vector((0, 0, 0)), Vector((0, 0, -0.08))],
+}
 for number, finger in enumerate(FINGERS):
     x, top = (-0.045, -0.03) if finger == "thumb" else (-0.05 + 0.021 * number, -0.085)
     joints[finger] = [Vector((x, 0.004 * k * k - 0.003 * k, top - 0.03 * k)) for k in range(4)]
@@ -42,7 +46,7 @@ add_bone("arm", *joints["arm"], None, 0.3)
 add_bone("hand", *joints["hand"], "arm", -0.7)
 for finger in FINGERS:
     for k in range(3):
-        add_bone(f"{finger}.{k + 1}", *joints[finger][k:k + 2], f"{finger}.{k}" if k else "hand", 0.2 * k)
+        add_bone(f"{finger}.{k + 1}", *joints[finger][k : k + 2], f"{finger}.{k}" if k else "hand", 0.2 * k)
 bpy.ops.object.mode_set(mode="OBJECT")
 armature.data.bones["control"].use_deform = False
 
@@ -50,7 +54,7 @@ vertices, faces, weights = [], [], []  # weights: a dict bone -> weight for each
 
 
 def add_tube(points, bones, radius):
-    """Rings along the points, two between each pair; skin changes over from bone to bone around the joints."""
+    """Rings along the points, two between each pair; the skin blends from bone to bone around the joints."""
     stations = [k / 3 for k in range(3 * (len(points) - 1) + 1)]
     first = len(vertices)
     for station in stations:
@@ -60,7 +64,10 @@ def add_tube(points, bones, radius):
         share = {bones[k]: 1.0}
         if 0 < near < len(bones) and abs(station - near) < 0.4:
             after = 0.5 + 0.9 * (station - near)
-            share = {bones[near - 1]: 0.8 * (1 - after), bones[near]: 0.8 * after}  # sums to 0.8: is normalised
+            share = {
+                bones[near - 1]: 0.8 * (1 - after),
+                bones[near]: 0.8 * after,
+            }  # sums to 0.8: is normalised
         for side in range(SIDES):
             angle = 2 * math.pi * side / SIDES
             vertices.append(centre + radius * Vector((math.cos(angle), math.sin(angle), 0)))
@@ -98,7 +105,9 @@ def add_mesh(name):
         longer.data[vertex].co = point + Vector((0, 0, 0.1 * min(0.0, point.z + 0.05)))
         fat.data[vertex].co = point + Vector((0, 0.2 * point.y, 0))
     fat.vertex_group = "hand"
-    mesh.matrix_world = Matrix.LocRotScale(Vector((0.02, 0.01, 1.1)), Euler((0.1, -0.2, 0.3)), Vector((1, 1, 1)))
+    mesh.matrix_world = Matrix.LocRotScale(
+        Vector((0.02, 0.01, 1.1)), Euler((0.1, -0.2, 0.3)), Vector((0.9, 0.9, 0.9))
+    )
     return mesh
 
 

@@ -3,8 +3,9 @@
 
     blender --background FILE.blend --python blender_pose.py -- POSES.npz OUT.npz
 
-POSES: `names` B bones, `rotations` N x B x 3 x 3 (a bone's turn about its head relative to its parent, in Knuckle's
-body axes), `shapes` N x K values of the shape keys. OUT: `vertices` N x V x 3 and `heads` N x B x 3 in the world.
+POSES: `names` B bones, `rotations` N x B x 3 x 3 (a bone's turn about its head relative to its parent, in
+Knuckle's body axes), `shapes` N x K values of the shape keys. OUT: `vertices` N x V x 3 and `heads` N x B x 3
+in the world.
 """
 import sys
 
@@ -12,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-source, target = sys.argv[sys.argv.index("--") + 1:]
+source, target = sys.argv[sys.argv.index("--") + 1 :]
 poses = np.load(source)
 armature = next(thing for thing in bpy.data.objects if thing.type == "ARMATURE")
 mesh = next(thing for thing in bpy.data.objects if thing.type == "MESH")
@@ -35,5 +36,7 @@ for rotations, shape in zip(poses["rotations"], poses["shapes"]):
     evaluated.data.vertices.foreach_get("co", points)
     world = np.array(mesh.matrix_world)
     vertices.append(points.reshape(-1, 3).astype(np.float64) @ world[:3, :3].T + world[:3, 3])
-    heads.append([list(armature.matrix_world @ armature.pose.bones[str(name)].head) for name in poses["names"]])
+    heads.append(
+        [list(armature.matrix_world @ armature.pose.bones[str(name)].head) for name in poses["names"]]
+    )
 np.savez(target, vertices=vertices, heads=heads)

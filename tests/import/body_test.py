@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of the importers that need no Blender: weights, points as vertex groups, the file, landmark maps."""
+"""What the importers do without Blender: weights, points as vertex groups, the file, landmark maps."""
 import unittest
 
 from import_testing import SCRIPTS, ImportTest, hand_map
 
 import knuckle_body as kb
+import knuckle_body_file
 import knuckle_landmark_map as lm
 import numpy as np
 
@@ -22,9 +23,19 @@ def small_body():
     groups = [kb.point_as_group(np.array([0, 0, height]), vertices, np.arange(36)) for height in (0, 20)]
     offsets = np.zeros((36, 3))
     offsets[24:, 2] = 5
-    return kb.Body(vertices, np.array(faces, np.int32), np.ones(12, np.uint8), bones, weights, ["root", "tip"],
-                   np.array([-1, 0], np.int32), groups, [groups[1]] * 22, np.ones(22, np.int32),
-                   [kb.sparse_direction("longer", offsets)])
+    return kb.Body(
+        vertices,
+        np.array(faces, np.int32),
+        np.ones(12, np.uint8),
+        bones,
+        weights,
+        ["root", "tip"],
+        np.array([-1, 0], np.int32),
+        groups,
+        [groups[1]] * 22,
+        np.ones(22, np.int32),
+        [kb.sparse_direction("longer", offsets)],
+    )
 
 
 class WeightsTest(ImportTest):
@@ -36,8 +47,12 @@ class WeightsTest(ImportTest):
         self.assertAlmostEqual(dropped, 0.1)
 
     def test_names_the_vertex_at_fault(self):
-        for value, part in ((np.nan, "vertex 1 is not a finite"), (np.inf, "vertex 1 is not a finite"),
-                            (-0.1, "vertex 1 is negative"), (0.0, "vertex 1 has no weights")):
+        for value, part in (
+            (np.nan, "vertex 1 is not a finite"),
+            (np.inf, "vertex 1 is not a finite"),
+            (-0.1, "vertex 1 is negative"),
+            (0.0, "vertex 1 has no weights"),
+        ):
             with self.assertRaisesRegex(kb.BodyError, part):
                 kb.strongest_weights([[0.5, 0.5], [0, value], [1, 0]])
 
@@ -64,9 +79,17 @@ class GroupTest(ImportTest):
 class FileTest(ImportTest):
     def test_reads_back_what_it_writes(self):
         body, path = small_body(), self.folder / "body.h5"
-        kb.write(body, path)
-        again = kb.read(path)
-        for name in ("v_template", "faces", "is_hand", "weights", "weight_bones", "parents", "landmark_bones"):
+        knuckle_body_file.write(body, path)
+        again = knuckle_body_file.read(path)
+        for name in (
+            "v_template",
+            "faces",
+            "is_hand",
+            "weights",
+            "weight_bones",
+            "parents",
+            "landmark_bones",
+        ):
             np.testing.assert_array_equal(getattr(again, name), getattr(body, name), err_msg=name)
         self.assertEqual(again.names, body.names)
         self.assertEqual(again.shapedirs[0].name, "longer")
@@ -77,21 +100,23 @@ class FileTest(ImportTest):
 
     def test_writes_no_file_of_a_faulty_body(self):
         path = self.folder / "never.h5"
-        for change, part in (({"v_template": small_body().v_template * np.nan}, "v_template of vertex 0"),
-                             ({"weights": small_body().weights * 0.5}, "weights of vertex 0 sum to 0.5"),
-                             ({"parents": np.array([1, 0])}, "the parent of bone 'root' is 1"),
-                             ({"names": ["a", "a"]}, "different names"),
-                             ({"faces": np.array([[0, 1, 36]])}, "faces name vertex 36")):
+        for change, part in (
+            ({"v_template": small_body().v_template * np.nan}, "v_template of vertex 0"),
+            ({"weights": small_body().weights * 0.5}, "weights of vertex 0 sum to 0.5"),
+            ({"parents": np.array([1, 0])}, "the parent of bone 'root' is 1"),
+            ({"names": ["a", "a"]}, "different names"),
+            ({"faces": np.array([[0, 1, 36]])}, "faces name vertex 36"),
+        ):
             body = small_body()
             for name, value in change.items():
                 setattr(body, name, value)
             with self.subTest(part), self.assertRaisesRegex(kb.BodyError, part):
-                kb.write(body, path)
+                knuckle_body_file.write(body, path)
             self.assertFalse(path.exists())
 
     def test_says_where_it_cannot_write(self):
         with self.assertRaisesRegex(kb.BodyError, "nowhere"):
-            kb.write(small_body(), self.folder / "nowhere" / "body.h5")
+            knuckle_body_file.write(small_body(), self.folder / "nowhere" / "body.h5")
 
 
 class LandmarkMapTest(ImportTest):
@@ -108,12 +133,14 @@ class LandmarkMapTest(ImportTest):
         self.assertNotIn("palm", mapped.points)
 
     def test_names_file_and_fault(self):
-        for text, part in ((hand_map(ring_tip=None), "no bone for ring_tip"),
-                           (hand_map(ring_tip="ring.3 middle"), "ring_tip is 'ring.3 middle', expected 'BONE head'"),
-                           (hand_map(ring_tip="tail"), "ring_tip is 'tail'"),
-                           (hand_map(toe="ring.3 tail"), "unknown landmark 'toe'"),
-                           (hand_map() + "[feet]\n", "unknown key 'feet'"),
-                           ("[landmarks", "Expected")):
+        for text, part in (
+            (hand_map(ring_tip=None), "no bone for ring_tip"),
+            (hand_map(ring_tip="ring.3 middle"), "ring_tip is 'ring.3 middle', expected 'BONE head'"),
+            (hand_map(ring_tip="tail"), "ring_tip is 'tail'"),
+            (hand_map(toe="ring.3 tail"), "unknown landmark 'toe'"),
+            (hand_map() + "[feet]\n", "unknown key 'feet'"),
+            ("[landmarks", "Expected"),
+        ):
             with self.subTest(part), self.assertRaisesRegex(kb.BodyError, f"map.toml: .*{part}"):
                 self.read(text)
         with self.assertRaisesRegex(kb.BodyError, "none.toml: cannot be read"):

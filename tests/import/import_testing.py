@@ -32,14 +32,28 @@ def require_blender():
 def run_blender(script, *arguments, scene=None):
     """Runs a script in Blender without its window; returns the finished process with its output as text."""
     start = [str(scene)] if scene else ["--factory-startup"]
-    command = ["blender", "--background", *start, "--python-exit-code", "3", "--python", str(script), "--",
-               *map(str, arguments)]
+    command = [
+        "blender",
+        "--background",
+        *start,
+        "--python-exit-code",
+        "3",
+        "--python",
+        str(script),
+        "--",
+        *map(str, arguments),
+    ]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 
 def run_python(script, *arguments):
-    return subprocess.run([sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True,
-                          timeout=300, check=False)
+    return subprocess.run(
+        [sys.executable, str(script), *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
 
 
 class ImportTest(unittest.TestCase):
