@@ -18,12 +18,13 @@ namespace {
 // paper.
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 constexpr std::array kDashes = {"1", "2", "4", "5"};  // gnuplot's dash types: solid, dashed, dash-dotted, ...
+constexpr std::array kDensities = {1.0, 0.5, 0.25};   // of bars, where the colours repeat
 constexpr std::size_t kLongestLegendEntry = 36;       // characters
 constexpr int kWidth = 600;                           // [px]
 constexpr int kPlotHeight = 300;                      // [px], title and axes' area without what is below it
-constexpr int kBelowAxis = 80;                        // [px], for the x axis' numbers and label
+constexpr int kBelowAxis = 76;                        // [px], for the x axis' numbers and label
 constexpr int kBelowBars = 112;                       // [px], for the sloping names of the categories
-constexpr int kLegendRowHeight = 20;                  // [px]
+constexpr int kLegendRowHeight = 24;                  // [px]
 constexpr int kLegendMargin = 12;                     // [px], below the legend
 constexpr int kCharacterWidth = 8;                    // [px], of the figure's font
 constexpr int kLegendEntryExtra = 9;                  // characters that a legend's sample and gap take
@@ -141,14 +142,14 @@ void add_bars(Script& script, const Figure& figure) {
   }
   add(script, "set style data histograms");
   add(script, "set style histogram clustered gap 1");
-  add(script, "set style fill solid 1.0 noborder");
   add(script, "set boxwidth 0.9 relative");
   add(script, "set yrange [0:*]");
   add(script, "set xrange [-0.6:{:.1f}]", static_cast<double>(figure.categories.size()) - 0.4);
   add(script, "set xtics ({}) rotate by 45 right scale 0", tics);
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
-    add(script, "{} $data using {} linecolor rgb '{}' title {}{}", i == 0 ? "plot" : "    ", i + 2,
-        series_colour(i), gnuplot_quoted(legend_entry(figure.series[i])),
+    add(script, "{} $data using {} linecolor rgb '{}' fillstyle solid {} noborder title {}{}",
+        i == 0 ? "plot" : "    ", i + 2, series_colour(i),
+        kDensities[(i / kColours.size()) % kDensities.size()], gnuplot_quoted(legend_entry(figure.series[i])),
         i + 1 < figure.series.size() ? ", \\" : "");
   }
 }
