@@ -137,10 +137,11 @@ TEST(H5, AKilledRunGoesOn) {
   H5Writer writer(path, options_for(0, kCount));
   std::int64_t kept = 0;
   for (std::int64_t i = 0; i < kCount; ++i) {
-    if (writer.has(i))
+    if (writer.has(i)) {
       ++kept;
-    else
+    } else {
       writer.write(i, frame_number(i));
+    }
   }
   EXPECT_GE(kept, 256);  // at least what the first checkpoint held
   writer.finish();

@@ -22,7 +22,7 @@ using testing::numbers_text;
 using testing::put_file;
 using testing::small_camera;
 
-std::string error_of_set(const fs::path& folder, IcgOptions options = {}) {
+std::string error_of_set(const fs::path& folder, const IcgOptions& options = {}) {
   return error_of([&] { IcgSource(folder, options).read(0); });
 }
 
@@ -110,7 +110,7 @@ TEST(Icg, FindsTheNearestCalibrationAndMovesItToPixelCentres) {
 TEST(Icg, PrefersVerifiedLabels) {
   const testing::TemporaryFolder folder;
   put_recorded(folder.path());
-  const auto first_u = [&](IcgOptions options = {}) {
+  const auto first_u = [&](const IcgOptions& options = {}) {
     return IcgSource(folder.path(), options).read(0).truth->joints[0].u;
   };
   EXPECT_FALSE(IcgSource(folder.path(), {}).convention());

@@ -30,10 +30,11 @@ Image<float> depth_in_metres(const Image<float>& depth_mm) {
 Image<Rgb> coloured(const Frame& frame) {
   Image<Rgb> colours(frame.mask.width(), frame.mask.height());
   for (std::size_t i = 0; i < colours.size(); ++i) {
-    if (frame.mask.data()[i] != 0)
+    if (frame.mask.data()[i] != 0) {
       colours.data()[i] = kHandColour;
-    else if (frame.depth_mm.data()[i] > 0)
+    } else if (frame.depth_mm.data()[i] > 0) {
       colours.data()[i] = kOtherColour;
+    }
   }
   return colours;
 }

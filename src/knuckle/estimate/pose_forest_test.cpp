@@ -64,6 +64,8 @@ TEST(TrainPoseForest, RefusesWhatDoesNotFit) {
   HandPatch patch = made_up_hand(1, convention()).first;
   const std::vector<PatchPoint> joints = made_up_hand(1, convention()).second;
   EXPECT_THAT(error_of([&] { train_pose_forest(set, {}); }), HasSubstr("no samples"));
+  EXPECT_THAT(error_of([&] { check_training_memory(10000000, convention(), 96, {}); }),
+              HasSubstr("memory_gb"));
   EXPECT_THAT(error_of([&] { set.set(2, patch, std::span(joints).first(3)); }),
               HasSubstr("expected the 14 of nyu14"));
   patch.pixels(3, 3) = std::nanf("");

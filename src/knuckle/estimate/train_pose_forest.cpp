@@ -48,6 +48,12 @@ PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& 
   return Kept::yes;
 }
 
+void check_training_memory(std::int64_t count, const Convention& convention, int patch_size_px,
+                           const PoseForestTrainingOptions& options) {
+  const int targets = static_cast<int>(convention.landmarks.size()) * kCoordinates;
+  check_training_memory(count, patch_size_px * patch_size_px, targets, options.forest);
+}
+
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
                                   const std::filesystem::path& checkpoint) {
   check_options(options, "pose forest training");

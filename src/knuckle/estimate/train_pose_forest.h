@@ -55,6 +55,11 @@ class PoseTrainingSet {
   TrainingSamples samples_;
 };
 
+/// Throws an Error where `count` samples would take more memory than options.forest.memory_gb. Call it before
+/// a set is made.
+void check_training_memory(std::int64_t count, const Convention& convention, int patch_size_px,
+                           const PoseForestTrainingOptions& options);
+
 /// Trains on all samples kept. The forest depends on the samples and options only, not on threads or the
 /// samples' order. With a `checkpoint` a training that was stopped goes on behind its last whole tree. Throws
 /// an Error where no sample was kept.

@@ -26,7 +26,8 @@ inline Truth example_truth(int frames) {
   for (int frame = 0; frame < frames; ++frame) {
     HandPose pose = HandPose::missing(convention);
     for (int j = 0; j < convention.size(); ++j) {
-      pose.joints[j] = {22.0 + 4.0 * (j % 5) + 0.1 * frame, 16.0 + 4.0 * (j / 5), 500.0 + j};
+      const int row = j / 5;
+      pose.joints[j] = {22.0 + 4.0 * (j % 5) + 0.1 * frame, 16.0 + 4.0 * row, 500.0 + j};
     }
     truth.sequence.poses.push_back(pose);
   }

@@ -16,7 +16,6 @@ namespace {
 
 using knuckle::testing::error_of;
 using knuckle::testing::TemporaryFolder;
-using ::testing::ElementsAre;
 using testing::example_predictions;
 using testing::example_truth;
 using testing::FakeSource;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The errors that the authors of published methods state, recomputed from their published predictions.
 #include <ctime>
+#include <ostream>
 
 #include "knuckle/core/testing.h"
 #include "knuckle/eval/evaluation.h"
@@ -23,8 +24,9 @@ struct PublishedSet {
   std::vector<PublishedMethod> methods;
 };
 
-void PrintTo(const PublishedSet& set, std::ostream* stream) {
-  *stream << set.folder;
+/// How GoogleTest shows a parameter.
+std::ostream& operator<<(std::ostream& stream, const PublishedSet& set) {
+  return stream << set.folder;
 }
 
 class PublishedResults : public ::testing::TestWithParam<PublishedSet> {};

@@ -56,7 +56,7 @@ std::filesystem::path write_report(const Report& report, const std::filesystem::
     write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));
     write_text_file(folder / "joints.csv", joints_csv(*report.evaluation));
   }
-  const std::filesystem::path page = folder / "report.html";
+  std::filesystem::path page = folder / "report.html";
   write_text_file(page, report_html(report, figures));
   return page;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/forest/forest_trainer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <span>
@@ -26,6 +28,9 @@ using Parts = RegressionForest::Parts;
 
 constexpr int kMostScoringDimensions = 95;
 constexpr int kExactBits = 32;
+constexpr double kGigabyte = 1e9;
+/// Samples in a thread's working memory for small nodes.
+constexpr double kSmallNodes = 2048.0;
 constexpr std::string_view kCheckpointFormat = "knuckle-forest-checkpoint";
 constexpr int kCheckpointVersion = 1;
 
@@ -71,8 +76,10 @@ void append_tree(Parts& parts, const TrainingSamples& samples, const Tree& tree)
 }
 
 /// All that the trees depend on, as text.
-std::string fingerprint_of(const RegressionForestOptions& options, const TrainingRun& run,
+std::string fingerprint_of(RegressionForestOptions options, const TrainingRun& run,
                            std::uint64_t samples_hash) {
+  options.leaf_bits = kExactBits;  // neither this nor the memory changes a tree
+  options.memory_gb = RegressionForestOptions{}.memory_gb;
   std::string text = options_as_toml(options);
   for (const double weight : run.target_weights) text += fmt::format("weight {}\n", weight);
   return text + fmt::format("samples {:016x}\n", samples_hash);
@@ -123,6 +130,34 @@ void RegressionForestOptions::visit(OptionVisitor& visitor) {
   tree.visit(visitor);
   visitor.integer("scoring_dimensions", scoring_dimensions, closed(1, kMostScoringDimensions));
   visitor.integer("leaf_bits", leaf_bits, closed(8, 32));
+  visitor.real("memory_gb", memory_gb, open_closed(0, 1e6));
+}
+
+double training_memory(std::int64_t samples, int features, int targets,
+                       const RegressionForestOptions& options) {
+  const auto count = static_cast<double>(samples);
+  const double feature_bytes = 2.0 * features;
+  const double target_bytes = 4.0 * targets;
+  const double scoring_bytes = 6.0 * std::min(targets, options.scoring_dimensions);  // float, then 16 bits
+  const double order_bytes = 24.0;                                                   // hashes and indices
+  const double node_samples =
+      std::min(count, double(options.tree.samples_per_node)) + kSmallNodes * thread_count();
+  const double leaves = options.trees * (count / options.tree.min_leaf_samples + 1.0);
+  return count * (feature_bytes + target_bytes + scoring_bytes + order_bytes) + node_samples * feature_bytes +
+         leaves * 2.0 * target_bytes;
+}
+
+void check_training_memory(std::int64_t samples, int features, int targets,
+                           const RegressionForestOptions& options) {
+  const double needed = training_memory(samples, features, targets, options) / kGigabyte;
+  if (needed <= options.memory_gb) return;
+  const double least = training_memory(0, features, targets, options) / kGigabyte;
+  const double each = (needed - least) / static_cast<double>(samples);
+  fail(
+      "forest training: {} samples of {} features take {:.3g} GB, memory_gb is {:.3g}; about {:.0f} samples "
+      "would fit",
+      samples, features, needed, options.memory_gb,
+      std::max(0.0, std::floor((options.memory_gb - least) / each)));
 }
 
 RegressionForest train_regression_forest(const TrainingSamples& samples,
@@ -132,6 +167,7 @@ RegressionForest train_regression_forest(const TrainingSamples& samples,
     fail("forest training: leaf_bits is {}, expected 8, 16 or 32", options.leaf_bits);
   }
   if (samples.set_count() == 0) fail("forest training: there are no samples");
+  check_training_memory(samples.capacity(), samples.feature_count(), samples.target_count(), options);
   const TrainingSamples::CanonicalOrder order = samples.canonical_order();
   const ScoringTargets scoring =
       make_scoring_targets(samples, order.indices, run.target_weights, options.scoring_dimensions);

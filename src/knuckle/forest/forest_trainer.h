@@ -16,9 +16,9 @@ namespace knuckle {
 struct RegressionForestOptions {
   int trees = 8;  ///< [1, 1000]
   TreeOptions tree;
-  int scoring_dimensions =
-      15;              ///< splits are scored in this many principal components of the targets, [1, 95]
-  int leaf_bits = 16;  ///< bits a leaf's value is kept with: 8, 16 or 32
+  int scoring_dimensions = 15;  ///< principal components of the targets that score splits, [1, 95]
+  int leaf_bits = 16;           ///< bits a leaf's value is kept with: 8, 16 or 32
+  double memory_gb = 16.0;      ///< most that samples and training may take, (0, 10^6] [10^9 bytes]
 
   void visit(OptionVisitor& visitor);
 };
@@ -34,9 +34,19 @@ struct TrainingRun {
   std::function<void(int trees)> tree_done = {};
 };
 
+/// Memory that samples and training take at most, in bytes, for a number of samples, features and targets.
+/// The samples themselves are most of it.
+double training_memory(std::int64_t samples, int features, int targets,
+                       const RegressionForestOptions& options);
+
+/// Throws an Error where that is more than options.memory_gb; it says what would fit. Call it before the
+/// samples are collected.
+void check_training_memory(std::int64_t samples, int features, int targets,
+                           const RegressionForestOptions& options);
+
 /// Trains a forest. A leaf holds the mean of the targets of all samples of the tree that reach it. The result
 /// depends neither on the number of threads nor on the order of the samples. Throws an Error where no sample
-/// is set.
+/// is set or memory_gb does not suffice.
 RegressionForest train_regression_forest(const TrainingSamples& samples,
                                          const RegressionForestOptions& options, const TrainingRun& run = {});
 

@@ -160,6 +160,19 @@ TEST(TrainRegressionForest, RefusesNoSamplesAndBadOptions) {
   EXPECT_THAT(error_of([&] { train_regression_forest(samples, options); }), HasSubstr("max_depth"));
 }
 
+TEST(TrainRegressionForest, RefusesTooSmallAMemory) {
+  RegressionForestOptions options;
+  constexpr int kPixels = 96 * 96;
+  EXPECT_LT(training_memory(400000, kPixels, 66, options), 9e9);  // the paper's scale
+  options.memory_gb = 1.0;
+  const std::string fault = error_of([&] { check_training_memory(400000, kPixels, 66, options); });
+  EXPECT_THAT(fault,
+              AllOf(HasSubstr("400000 samples"), HasSubstr("memory_gb is 1;"), HasSubstr("would fit")));
+  options.memory_gb = 1e-6;
+  const TrainingSamples samples = RandomRows(300, 25, 3).samples();
+  EXPECT_THAT(error_of([&] { train_regression_forest(samples, options); }), HasSubstr("memory_gb"));
+}
+
 /// A training that stops after some trees, as a kill would: progress is only what the checkpoint holds.
 TEST(TrainRegressionForest, GoesOnFromACheckpoint) {
   const TemporaryFolder folder;

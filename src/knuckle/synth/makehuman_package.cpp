@@ -116,10 +116,10 @@ void read_joint_cubes(const json& document, MakeHumanMesh& mesh) {
 }
 
 std::string target_name(std::string key) {
-  constexpr std::string_view prefix = "data/targets/";
-  constexpr std::string_view extension = ".target";
-  if (key.starts_with(prefix)) key.erase(0, prefix.size());
-  if (key.ends_with(extension)) key.erase(key.size() - extension.size());
+  constexpr std::string_view kPrefix = "data/targets/";
+  constexpr std::string_view kExtension = ".target";
+  if (key.starts_with(kPrefix)) key.erase(0, kPrefix.size());
+  if (key.ends_with(kExtension)) key.erase(key.size() - kExtension.size());
   return key;
 }
 
