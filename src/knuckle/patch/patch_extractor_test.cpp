@@ -57,7 +57,7 @@ TEST(PatchExtractor, TakesTheNearestPixelOfTheImage) {
       ++hand_pixels;
     }
   }
-  EXPECT_NEAR(hand_pixels, 32 * 32 * 30 / 41, 40);
+  EXPECT_NEAR(hand_pixels, 32.0 * 32.0 * 30.0 / 41.0, 40);
 }
 
 TEST(PatchExtractor, IsTheCroppedImageWhereSizesAgree) {

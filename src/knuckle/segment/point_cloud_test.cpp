@@ -17,8 +17,9 @@ void expect_points_within(const Frame& frame, const Point3& centre, double radiu
   for (int pixel = 0; pixel < static_cast<int>(frame.depth_mm.size()); ++pixel) {
     const float depth = frame.depth_mm.data()[pixel];
     if (!is_measured(depth)) continue;
-    const int width = frame.camera.width;
-    const Point3 point = projection.to_camera({double(pixel % width), double(pixel / width), depth});
+    const int column = pixel % frame.camera.width;
+    const int row = pixel / frame.camera.width;
+    const Point3 point = projection.to_camera({double(column), double(row), depth});
     const double distance = (point - centre).norm();
     if (distance > radius_mm + 1e-3) continue;
     if (distance > radius_mm - 1e-3 && (next >= cloud.size() || cloud.pixels[next] != pixel)) continue;

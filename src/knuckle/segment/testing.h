@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/box.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/core/random.h"
 
@@ -39,11 +40,25 @@ inline void put_depth(Frame& frame, int column, int row, double depth_mm) {
   if (pixel == 0.0f || depth_mm < pixel) pixel = static_cast<float>(depth_mm);
 }
 
-/// Draws a ball by intersecting the ray of every pixel with it.
+/// A box that the ball's picture lies in, with room to spare for perspective and distortion.
+inline Box picture_box(const Camera& camera, const Point3& centre, double radius_mm) {
+  const Box image{0, 0, camera.width, camera.height};
+  const double nearest_mm = centre.z() - radius_mm;
+  if (nearest_mm <= 0) return image;
+  const Projection projection(camera);
+  const ImagePoint place = projection.to_image(centre);
+  const double reach = 2.0 * radius_mm * projection.pixels_per_mm(nearest_mm) + 2.0;
+  const int size = static_cast<int>(2.0 * reach) + 1;
+  return intersection(image,
+                      {static_cast<int>(place.u - reach), static_cast<int>(place.v - reach), size, size});
+}
+
+/// Draws a ball by intersecting the rays of the pixels with it.
 inline void draw_ball(Frame& frame, const RayTable& rays, const Point3& centre, double radius_mm) {
   const bool is_parallel = frame.camera.model == CameraModel::orthographic;
-  for (int row = 0; row < frame.camera.height; ++row) {
-    for (int column = 0; column < frame.camera.width; ++column) {
+  const Box box = picture_box(frame.camera, centre, radius_mm);
+  for (int row = box.y; row < box.bottom(); ++row) {
+    for (int column = box.x; column < box.right(); ++column) {
       const double x = rays.rays_x()(column, row);
       const double y = rays.rays_y()(column, row);
       const Point3 origin = is_parallel ? Point3(x, y, 0) : Point3(0, 0, 0);
