@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <numeric>
 #include <string_view>
 
 #include "knuckle/synth/gestures.h"
@@ -66,8 +67,8 @@ double within(HandAngle angle, double share) {
   return range.low + share * (range.high - range.low);
 }
 
-/// Fingers bend together as tendons and habit make them: each joint shares a level that is uniform over the
-/// range.
+/// Anywhere within the limits, but fingers bend together, as tendons and habit make them: each kind of joint
+/// shares a level that is uniform over its range.
 HandAngles uniform_hand(Random& random) {
   constexpr double kOwnWay = 0.18;  ///< deviation of one finger from the others, in parts of the range
   HandAngles angles;
@@ -89,10 +90,42 @@ HandAngles uniform_hand(Random& random) {
   return angles;
 }
 
+/// Around a thing: the thumb opposed, the palm hollow, the bend of the fingers changing evenly from index to
+/// little.
+HandAngles grasping_hand(Random& random) {
+  const auto normal = [&](double mean_deg, double deviation_deg) {
+    return (mean_deg + deviation_deg * random.normal()) * kDegree;
+  };
+  HandAngles angles;
+  angles[HandAngle::thumb_radial] = normal(20, 16);
+  angles[HandAngle::thumb_palmar] = normal(42, 12);
+  angles[HandAngle::thumb_twist] = normal(5, 16);
+  angles[HandAngle::thumb_mcp] = normal(8, 8);
+  angles[HandAngle::thumb_ip] = normal(8, 20);
+  const double mcp = random.uniform(0.0, 75.0);
+  const double mcp_slope = 7.0 * random.normal();
+  const double pip = random.uniform(5.0, 85.0);
+  const double pip_slope = 7.0 * random.normal();
+  const double fan = random.uniform(-4.0, 8.0);
+  for (int finger = 0; finger < 4; ++finger) {
+    const FingerAngleNames names = angles_of_finger(finger);
+    angles[names.mcp] = normal(mcp + mcp_slope * (finger - 1.5), 6);
+    angles[names.pip] = normal(pip + pip_slope * (finger - 1.5), 7);
+    angles[names.dip] = coupled_dip(angles[names.pip]) + normal(0, 6);
+    angles[names.spread] = normal(finger == 1 ? 0.0 : fan * (finger == 3 ? 2.0 : 1.0), 3);
+  }
+  angles[HandAngle::palm_arch] = random.uniform(0.0, 25.0) * kDegree;
+  return angles;
+}
+
+std::array<double, 6> shares_of(const HandPoseOptions& options) {
+  return {options.gesture_share, options.pair_share,  options.mixed_share,
+          options.closing_share, options.grasp_share, options.uniform_share};
+}
+
 HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
-  const std::array<double, 5> shares = {options.gesture_share, options.pair_share, options.mixed_share,
-                                        options.closing_share, options.uniform_share};
-  double left = random.uniform() * (shares[0] + shares[1] + shares[2] + shares[3] + shares[4]);
+  const std::array<double, 6> shares = shares_of(options);
+  double left = random.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
   std::size_t kind = 0;
   while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
   switch (kind) {
@@ -104,6 +137,8 @@ HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
       return mixed_digits(random);
     case 3:
       return closing_hand(random);
+    case 4:
+      return grasping_hand(random);
     default:
       return uniform_hand(random);
   }
@@ -116,6 +151,7 @@ void HandPoseOptions::visit(OptionVisitor& visitor) {
   visitor.real("pair_share", pair_share, at_least(0));
   visitor.real("mixed_share", mixed_share, at_least(0));
   visitor.real("closing_share", closing_share, at_least(0));
+  visitor.real("grasp_share", grasp_share, at_least(0));
   visitor.real("uniform_share", uniform_share, at_least(0));
   visitor.real("jitter_deg", jitter_deg, closed(0, 45));
   visitor.real("penetration_mm", penetration_mm, at_least(0));
@@ -123,12 +159,12 @@ void HandPoseOptions::visit(OptionVisitor& visitor) {
 
 void check(const HandPoseOptions& options, std::string_view what) {
   check_options(options, what);
-  if (options.gesture_share + options.pair_share + options.mixed_share + options.closing_share +
-          options.uniform_share <=
-      0.0) {
+  const std::array<double, 6> shares = shares_of(options);
+  if (std::accumulate(shares.begin(), shares.end(), 0.0) <= 0.0) {
     fail(
-        "{}: all of gesture_share, pair_share, mixed_share, closing_share and uniform_share are 0; expected "
-        "one above 0",
+        "{}: all of gesture_share, pair_share, mixed_share, closing_share, grasp_share and uniform_share are "
+        "0; "
+        "expected one above 0",
         what);
   }
 }

@@ -36,8 +36,12 @@ TEST(HandSampler, ReachesBothEndsOfEveryJoint) {
 
 TEST(HandSampler, AKindWithoutAShareIsNotDrawn) {
   Random random(5);
-  const HandPoseOptions gestures_only{
-      .pair_share = 0, .mixed_share = 0, .closing_share = 0, .uniform_share = 0, .jitter_deg = 0};
+  const HandPoseOptions gestures_only{.pair_share = 0,
+                                      .mixed_share = 0,
+                                      .closing_share = 0,
+                                      .grasp_share = 0,
+                                      .uniform_share = 0,
+                                      .jitter_deg = 0};
   for (int i = 0; i < 200; ++i) {
     const HandAngles hand = sampled_hand(gestures_only, random);
     EXPECT_TRUE(std::ranges::any_of(
@@ -46,8 +50,12 @@ TEST(HandSampler, AKindWithoutAShareIsNotDrawn) {
 }
 
 TEST(HandSampler, RefusesNoKindAtAll) {
-  const HandPoseOptions none{
-      .gesture_share = 0, .pair_share = 0, .mixed_share = 0, .closing_share = 0, .uniform_share = 0};
+  const HandPoseOptions none{.gesture_share = 0,
+                             .pair_share = 0,
+                             .mixed_share = 0,
+                             .closing_share = 0,
+                             .grasp_share = 0,
+                             .uniform_share = 0};
   EXPECT_THAT(testing::error_of([&] { check(none, "here"); }),
               ::testing::HasSubstr("here: all of gesture_share"));
   HandPoseOptions shaky;

@@ -59,7 +59,8 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[camera]\nmodel = 'fisheye'", "projective"},
       {"[pose]\njitter_deg = 400.0", "jitter_deg"},
       {"[pose]\nmotion = 'jump'", "smooth"},
-      {"[pose]\ngesture_share = 0.0\npair_share = 0.0\nmixed_share = 0.0\nclosing_share = 0.0\nuniform_share "
+      {"[pose]\ngesture_share = 0.0\npair_share = 0.0\nmixed_share = 0.0\nclosing_share = 0.0\ngrasp_share = "
+       "0.0\nuniform_share "
        "= 0.0",
        "gesture_share"},
       {"[placement]\nnearest_mm = 800.0\nfarthest_mm = 400.0", "nearest_mm"},

