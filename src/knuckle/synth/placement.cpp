@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/synth/hand_rig.h"
 
 namespace knuckle {
 namespace {
@@ -190,14 +191,12 @@ double violation(const BodyRig& rig, const BodyPose& pose, const Camera& camera,
 
 double presentation_violation(const std::array<Point3, kSupersetSize>& landmarks,
                               const PlacementOptions& options) {
-  const auto at = [&](Landmark landmark) { return landmarks[static_cast<std::size_t>(landmark)]; };
-  const Vector3d to_index = at(Landmark::index_mcp) - at(Landmark::wrist);
-  const Vector3d to_little = at(Landmark::little_mcp) - at(Landmark::wrist);
-  const Vector3d out_of_palm = to_index.cross(to_little).normalized();  // of a right hand
-  const Vector3d to_camera = -at(Landmark::palm).normalized();
-  const Vector3d along_hand = at(Landmark::middle_mcp) - at(Landmark::wrist);
-  const double palm = std::acos(std::clamp(out_of_palm.dot(to_camera), -1.0, 1.0)) / kDegree;
-  const double upright = std::abs(std::atan2(along_hand.x(), -along_hand.y())) / kDegree;
+  const Eigen::Matrix3d axes = hand_axes(landmarks);
+  const Vector3d forward = axes.col(1);
+  const Vector3d palmar = axes.col(2);
+  const Vector3d to_camera = -landmarks[static_cast<std::size_t>(Landmark::palm)].normalized();
+  const double palm = std::acos(std::clamp(palmar.dot(to_camera), -1.0, 1.0)) / kDegree;
+  const double upright = std::abs(std::atan2(forward.x(), -forward.y())) / kDegree;
   return std::max(palm - options.palm_deg, 0.0) + std::max(upright - options.upright_deg, 0.0);
 }
 
