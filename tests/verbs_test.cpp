@@ -26,13 +26,13 @@ class VerbsTest : public ::testing::Test {
 
 TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
   for (const std::vector<std::string>& verb : {std::vector<std::string>{"info"},
-                                              {"inspect"},
-                                              {"render"},
-                                              {"train", "pose-forest"},
-                                              {"segment"},
-                                              {"estimate"},
-                                              {"evaluate"},
-                                              {"demo"}}) {
+                                               {"inspect"},
+                                               {"render"},
+                                               {"train", "pose-forest"},
+                                               {"segment"},
+                                               {"estimate"},
+                                               {"evaluate"},
+                                               {"demo"}}) {
     std::vector<std::string> arguments = verb;
     arguments.push_back("--help");
     const ProgramRun run = run_program(arguments);

@@ -13,12 +13,14 @@
 namespace knuckle {
 namespace {
 
-/// Called before the library's first use: otherwise, at the end of the program, it crashes on a file that could not be
-/// closed because the disk was full.
-bool leave_open_files_alone() { return H5dont_atexit() >= 0; }
+/// Called before the library's first use: otherwise, at the end of the program, it crashes on a file that
+/// could not be closed because the disk was full.
+bool leave_open_files_alone() {
+  return H5dont_atexit() >= 0;
+}
 
-/// HDF5 keeps global state: every call of the library happens under this lock. Each thread is told once not to print
-/// the library's own stack of errors.
+/// HDF5 keeps global state: every call of the library happens under this lock. Each thread is told once not
+/// to print the library's own stack of errors.
 class Lock {
  public:
   Lock() : guard_(mutex()) {
