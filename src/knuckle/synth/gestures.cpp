@@ -93,7 +93,12 @@ constexpr Row kRows[] = {
     {"extended_grip", {25, 60, 8, 5}, {58, 0, 10, 5}, {60, 0, 10, 5}, {60, 0, 10, 5}, {60, 0, 10, 5}, 6},
     // Letters of the American finger alphabet that no gesture above shows.
     {"letter_c", {38, 55, 8, 22}, {28, 0, 42}, {28, 0, 44}, {28, 0, 44}, {28, 0, 42}, 4},
-    {"letter_e", {15, 53, 20, 42, 15}, {38, 0, 105, 65}, {40, 0, 105, 65}, {42, 0, 105, 65}, {42, 0, 102, 62}},
+    {"letter_e",
+     {15, 53, 20, 42, 15},
+     {38, 0, 105, 65},
+     {40, 0, 105, 65},
+     {42, 0, 105, 65},
+     {42, 0, 102, 62}},
     {"letter_l", {62, 0, 0, -5}, kStraight, kFist, kFist, kFist, 6},
     {"letter_o", {28, 54, 15, 28, 5}, {50, 0, 52, 28}, {54, 0, 50, 30}, {56, 0, 50, 30}, {58, 0, 48, 30}, 8},
     {"letter_x", kThumbOverFist, {15, 0, 80, 45}, kFist, kFist, kFist, 6},
@@ -125,12 +130,12 @@ Gesture gesture_of(const Row& row) {
 }  // namespace
 
 std::span<const Gesture> gestures() {
-  static const std::vector<Gesture> kGestures = [] {
+  static const std::vector<Gesture> all_gestures = [] {
     std::vector<Gesture> all;
     for (const Row& row : kRows) all.push_back(gesture_of(row));
     return all;
   }();
-  return kGestures;
+  return all_gestures;
 }
 
 const Gesture& gesture_from_name(std::string_view name) {
