@@ -207,7 +207,7 @@ TEST_F(BadInputTest, ATrainingWithoutTruthOrWithAWrongConfiguration) {
   };
   make_set(blank_);
   EXPECT_THAT(train("source = 'folder:set'\n"), FailedWith("no truth"));
-  EXPECT_THAT(train(""), FailedWith("train.toml: source"));
+  EXPECT_THAT(train(""), FailedWith("source: is missing"));
   EXPECT_THAT(train("source = 'folder:set'\nconvention = 'icg21'\n"), FailedWith("train.toml:2: convention"));
   EXPECT_THAT(train("source = 'folder:set'\n[forest]\ntrees = 0\n"),
               FailedWith("train.toml:3: forest.trees"));

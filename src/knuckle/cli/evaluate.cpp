@@ -73,7 +73,6 @@ void run_evaluate(const EvaluateArguments& arguments) {
   if (!arguments.json.empty()) write_text_file(arguments.json, to_json(evaluation));
   if (arguments.out.empty()) return;
   Report report;
-  report.facts = {{"truth", arguments.truth}};
   report.evaluation = evaluation;
   report.gallery =
       make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);

@@ -13,13 +13,29 @@
 namespace knuckle {
 namespace {
 
-/// HDF5 keeps global state: every call of the library takes this lock.
-std::recursive_mutex& library_lock() {
-  static std::recursive_mutex mutex;
-  return mutex;
+/// Called before the library's first use: otherwise, at the end of the program, it crashes on a file that
+/// could not be closed because the disk was full.
+bool leave_open_files_alone() {
+  return H5dont_atexit() >= 0;
 }
 
-using Lock = std::lock_guard<std::recursive_mutex>;
+/// HDF5 keeps global state: every call of the library happens under this lock. Each thread is told once not
+/// to print the library's own stack of errors.
+class Lock {
+ public:
+  Lock() : guard_(mutex()) {
+    [[maybe_unused]] static const bool is_set_up = leave_open_files_alone();
+    [[maybe_unused]] thread_local const bool is_silent = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+  }
+
+ private:
+  static std::recursive_mutex& mutex() {
+    static std::recursive_mutex the_mutex;
+    return the_mutex;
+  }
+
+  std::lock_guard<std::recursive_mutex> guard_;
+};
 
 /// An identifier of the library with the function that gives it back.
 class Id {
@@ -37,13 +53,6 @@ class Id {
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
-
-/// Called before the library's first use. Without this HDF5 prints its own stack of errors, and at the end of the
-/// program it crashes on a file that could not be closed because the disk was full.
-void silence_library() {
-  H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
 
 template <class T>
 hid_t native_type();
@@ -101,6 +110,13 @@ Id simple_space(const std::vector<std::uint64_t>& shape) {
   return {H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose};
 }
 
+/// Without time stamps: the same content makes the same bytes.
+Id creation_properties() {
+  Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties, static_cast<hbool_t>(0));
+  return properties;
+}
+
 Id variable_text_type() {
   Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, H5T_VARIABLE);
@@ -118,7 +134,7 @@ struct Hdf5File::Handle {
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() {
-    const Lock lock(library_lock());
+    const Lock lock;
     if (file >= 0) H5Fclose(file);
   }
 
@@ -194,7 +210,6 @@ Hdf5File::~Hdf5File() = default;
 namespace {
 
 hid_t open_with(const std::filesystem::path& path, unsigned mode) {
-  silence_library();
   if (!std::filesystem::exists(path)) fail("{}: the file is missing", path.string());
   if (std::filesystem::is_directory(path)) fail("{}: expected a file, found a folder", path.string());
   if (H5Fis_hdf5(path.c_str()) <= 0) fail("{}: no HDF5 file, or its beginning is damaged", path.string());
@@ -206,18 +221,17 @@ hid_t open_with(const std::filesystem::path& path, unsigned mode) {
 }  // namespace
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
-  const Lock lock(library_lock());
+  const Lock lock;
   return Hdf5File(std::make_unique<Handle>(path, open_with(path, H5F_ACC_RDONLY)));
 }
 
 Hdf5File Hdf5File::open_for_writing(const std::filesystem::path& path) {
-  const Lock lock(library_lock());
+  const Lock lock;
   return Hdf5File(std::make_unique<Handle>(path, open_with(path, H5F_ACC_RDWR)));
 }
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
-  const Lock lock(library_lock());
-  silence_library();
+  const Lock lock;
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (file < 0) fail("{}: cannot write the HDF5 file", path.string());
   return Hdf5File(std::make_unique<Handle>(path, file));
@@ -228,18 +242,18 @@ const std::filesystem::path& Hdf5File::path() const {
 }
 
 bool Hdf5File::has(std::string_view dataset) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   return H5Lexists(handle_->file, std::string(dataset).c_str(), H5P_DEFAULT) > 0;
 }
 
 std::vector<std::uint64_t> Hdf5File::shape(std::string_view dataset) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   return handle_->shape(handle_->dataset(dataset));
 }
 
 template <class T>
 Hdf5Array<T> Hdf5File::read(std::string_view dataset) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->numeric_dataset(dataset);
   Hdf5Array<T> array;
   array.shape = handle_->shape(id);
@@ -253,7 +267,7 @@ Hdf5Array<T> Hdf5File::read(std::string_view dataset) const {
 template <class T>
 void Hdf5File::read_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count,
                          T* values) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->numeric_dataset(dataset);
   const Id selection = handle_->row_selection(dataset, id, first, count);
   const Id memory = handle_->rows_in_memory(id, count);
@@ -265,9 +279,9 @@ void Hdf5File::read_rows(std::string_view dataset, std::uint64_t first, std::uin
 template <class T>
 void Hdf5File::create_dataset(std::string_view dataset, const std::vector<std::uint64_t>& shape,
                               const Storage& storage) {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id space = simple_space(shape);
-  const Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Id properties = creation_properties();
   if (storage.rows_a_chunk > 0 && product(shape) > 0) {
     std::vector<hsize_t> chunk = as_dimensions(shape);
     chunk[0] = std::min<hsize_t>(storage.rows_a_chunk, shape[0]);
@@ -286,7 +300,7 @@ void Hdf5File::create_dataset(std::string_view dataset, const std::vector<std::u
 template <class T>
 void Hdf5File::write(std::string_view dataset, const std::vector<std::uint64_t>& shape, const T* values,
                      const Storage& storage) {
-  const Lock lock(library_lock());
+  const Lock lock;
   create_dataset<T>(dataset, shape, storage);
   const Id id = handle_->dataset(dataset);
   if (product(shape) > 0 && H5Dwrite(id, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
@@ -297,7 +311,7 @@ void Hdf5File::write(std::string_view dataset, const std::vector<std::uint64_t>&
 template <class T>
 void Hdf5File::write_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count,
                           const T* values) {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->numeric_dataset(dataset);
   const Id selection = handle_->row_selection(dataset, id, first, count);
   const Id memory = handle_->rows_in_memory(id, count);
@@ -307,7 +321,7 @@ void Hdf5File::write_rows(std::string_view dataset, std::uint64_t first, std::ui
 }
 
 std::vector<std::string> Hdf5File::read_texts(std::string_view dataset) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->dataset(dataset);
   const Id file_type(H5Dget_type(id), H5Tclose);
   if (H5Tget_class(file_type) != H5T_STRING || H5Tis_variable_str(file_type) <= 0) {
@@ -326,12 +340,13 @@ std::vector<std::string> Hdf5File::read_texts(std::string_view dataset) const {
 }
 
 void Hdf5File::write_texts(std::string_view dataset, const std::vector<std::string>& texts) {
-  const Lock lock(library_lock());
+  const Lock lock;
   std::vector<const char*> pointers;
   for (const std::string& text : texts) pointers.push_back(text.c_str());
   const Id type = variable_text_type();
   const Id space = simple_space({texts.size()});
-  const Id id(H5Dcreate2(handle_->file, std::string(dataset).c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT,
+  const Id properties = creation_properties();
+  const Id id(H5Dcreate2(handle_->file, std::string(dataset).c_str(), type, space, H5P_DEFAULT, properties,
                          H5P_DEFAULT),
               H5Dclose);
   if (!id.valid() || H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) {
@@ -340,12 +355,12 @@ void Hdf5File::write_texts(std::string_view dataset, const std::vector<std::stri
 }
 
 bool Hdf5File::has_attribute(std::string_view name) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   return H5Aexists(handle_->file, std::string(name).c_str()) > 0;
 }
 
 std::string Hdf5File::text_attribute(std::string_view name) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->attribute(name);
   const Id file_type(H5Aget_type(id), H5Tclose);
   if (H5Tget_class(file_type) != H5T_STRING) fail("{}: the attribute '{}' is no text", path().string(), name);
@@ -373,7 +388,7 @@ double Hdf5File::number_attribute(std::string_view name) const {
 }
 
 std::vector<double> Hdf5File::numbers_attribute(std::string_view name) const {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->attribute(name);
   const Id type(H5Aget_type(id), H5Tclose);
   if (H5Tget_class(type) != H5T_INTEGER && H5Tget_class(type) != H5T_FLOAT) {
@@ -389,7 +404,7 @@ std::vector<double> Hdf5File::numbers_attribute(std::string_view name) const {
 }
 
 void Hdf5File::set_attribute(std::string_view name, std::string_view text) {
-  const Lock lock(library_lock());
+  const Lock lock;
   const std::string owned(text);
   const char* pointer = owned.c_str();
   const Id type = variable_text_type();
@@ -398,14 +413,14 @@ void Hdf5File::set_attribute(std::string_view name, std::string_view text) {
 }
 
 void Hdf5File::set_attribute(std::string_view name, double number) {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->new_attribute(name, H5T_NATIVE_DOUBLE, Id(H5Screate(H5S_SCALAR), H5Sclose));
   if (H5Awrite(id, H5T_NATIVE_DOUBLE, &number) < 0)
     fail("{}: cannot write the attribute '{}'", path().string(), name);
 }
 
 void Hdf5File::set_attribute(std::string_view name, const std::vector<double>& numbers) {
-  const Lock lock(library_lock());
+  const Lock lock;
   const Id id = handle_->new_attribute(name, H5T_NATIVE_DOUBLE, simple_space({numbers.size()}));
   if (H5Awrite(id, H5T_NATIVE_DOUBLE, numbers.data()) < 0) {
     fail("{}: cannot write the attribute '{}'", path().string(), name);
@@ -413,13 +428,13 @@ void Hdf5File::set_attribute(std::string_view name, const std::vector<double>& n
 }
 
 void Hdf5File::flush() {
-  const Lock lock(library_lock());
+  const Lock lock;
   if (H5Fflush(handle_->file, H5F_SCOPE_GLOBAL) < 0)
     fail("{}: cannot be written; is the disk full?", path().string());
 }
 
 void Hdf5File::close() {
-  const Lock lock(library_lock());
+  const Lock lock;
   if (handle_->file < 0) return;
   flush();
   if (H5Fclose(std::exchange(handle_->file, H5I_INVALID_HID)) < 0) {

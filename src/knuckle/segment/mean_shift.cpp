@@ -16,6 +16,9 @@ using Lanes = Eigen::Array<float, PointCloud::kLanes, 1>;
 constexpr double kReach = 17.0;
 // Points are gathered once for all centres within this many bandwidths of each other.
 constexpr double kGatherMargin = 4.0;
+// The first steps are those of eq. 2: they bring the centre onto the ridge of D (the middle of a finger, of
+// the arm). Lengthened ones would leave for the other end of the ridge from beside it.
+constexpr int kPlainSteps = 3;
 constexpr double kLongestStep = 0.5;  // [bandwidths]
 // Bounds how far a step is lengthened where D is flat or convex.
 constexpr double kSmallestCurvature = 0.02;
@@ -139,13 +142,15 @@ MeanShiftResult mean_shift(const PointsAround& points_around, const Point3& star
   result.centre = start;
   KernelSums sums = window.sums_at(start);
   while (sums.mass > 0.0 && window.evaluations() < options.max_iterations) {
-    const Eigen::Vector3d step = lengthened_step(sums, h);
-    result.converged = step.norm() < options.tolerance_mm;
+    const Eigen::Vector3d plain_step = sums.shift / sums.mass;
+    const bool is_plain = window.evaluations() <= kPlainSteps;
+    const Eigen::Vector3d step = is_plain ? plain_step : lengthened_step(sums, h);
+    result.converged = !is_plain && step.norm() < options.tolerance_mm;
     if (result.converged) break;
     Point3 next = result.centre + step;
     KernelSums next_sums = window.sums_at(next);
     if (next_sums.density < sums.density * (1.0 - kDensitySlack)) {
-      next = result.centre + sums.shift / sums.mass;
+      next = result.centre + plain_step;
       next_sums = window.sums_at(next);
     }
     result.centre = next;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/synth/hand_rig.h"
 
 namespace knuckle {
 namespace {
@@ -144,6 +145,9 @@ void PlacementOptions::visit(OptionVisitor& visitor) {
   visitor.real("trunk_gap_mm", trunk_gap_mm, closed(-1000, 1000));
   visitor.real("forearm_margin_mm", forearm_margin_mm, closed(0, 1000));
   visitor.real("wrist_deg", wrist_deg, closed(0, 90));
+  visitor.real("presented_share", presented_share, closed(0, 1));
+  visitor.real("palm_deg", palm_deg, open_closed(0, 180));
+  visitor.real("upright_deg", upright_deg, open_closed(0, 180));
 }
 
 void check(const PlacementOptions& options, std::string_view what) {
@@ -185,9 +189,21 @@ double violation(const BodyRig& rig, const BodyPose& pose, const Camera& camera,
   return total;
 }
 
+double presentation_violation(const std::array<Point3, kSupersetSize>& landmarks,
+                              const PlacementOptions& options) {
+  const Eigen::Matrix3d axes = hand_axes(landmarks);
+  const Vector3d forward = axes.col(1);
+  const Vector3d palmar = axes.col(2);
+  const Vector3d to_camera = -landmarks[static_cast<std::size_t>(Landmark::palm)].normalized();
+  const double palm = std::acos(std::clamp(palmar.dot(to_camera), -1.0, 1.0)) / kDegree;
+  const double upright = std::abs(std::atan2(forward.x(), -forward.y())) / kDegree;
+  return std::max(palm - options.palm_deg, 0.0) + std::max(upright - options.upright_deg, 0.0);
+}
+
 PlacedPosture sampled_placement(const BodyRig& rig, const HandAngles& hand, const Camera& camera,
                                 const PlacementOptions& options, Random& random) {
   const double allowed_outside = random.uniform() < options.border_share ? kCutShare : 0.0;
+  const bool is_presented = random.uniform() < options.presented_share;
   PlacedPosture best;
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kAttempts && least > 0.0; ++attempt) {
@@ -197,7 +213,8 @@ PlacedPosture sampled_placement(const BodyRig& rig, const HandAngles& hand, cons
     const Point3 palm = rig.landmarks(pose)[static_cast<std::size_t>(Landmark::palm)];
     placed.camera_from_body.translation() = (sampled_palm(camera, options, random) - palm).cast<float>();
     pose.camera_from_body = placed.camera_from_body;
-    const double wrong = violation(rig, pose, camera, options, allowed_outside);
+    double wrong = is_presented ? presentation_violation(rig.landmarks(pose), options) : 0.0;
+    if (wrong < least) wrong += violation(rig, pose, camera, options, allowed_outside);
     if (wrong < least) {
       least = wrong;
       best = placed;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "knuckle/core/camera.h"
 #include "knuckle/core/options.h"
 #include "knuckle/core/random.h"
@@ -23,6 +25,9 @@ struct PlacementOptions {
   double trunk_gap_mm = 60.0;  ///< what else is in view lies this far behind the palm, [-1000, 1000] [mm]
   double forearm_margin_mm = 30.0;  ///< the forearm may be this much nearer than the hand, [0, 1000] [mm]
   double wrist_deg = 25.0;          ///< deviation of the wrist's flexion, [0, 90] [degree]
+  double presented_share = 0.0;     ///< frames whose hand is held up with the palm to the camera, [0, 1]
+  double palm_deg = 50.0;  ///< there the palm's normal is at most this far from the line of sight, (0, 180]
+  double upright_deg = 70.0;  ///< and the fingers' root at most this far from upright in the image, (0, 180]
 
   void visit(OptionVisitor& visitor);
 };
@@ -44,6 +49,11 @@ struct PlacedPosture {
 /// cut: most) and nothing of the body is before the hand. In millimetres and pixels, for comparisons only.
 double violation(const BodyRig& rig, const BodyPose& pose, const Camera& camera,
                  const PlacementOptions& options, double allowed_outside);
+
+/// How far a hand is from being presented, in degrees beyond what the options allow: 0 for a hand held up
+/// with its palm to the camera.
+double presentation_violation(const std::array<Point3, kSupersetSize>& landmarks,
+                              const PlacementOptions& options);
 
 /// Finds an arm and a place for this hand: the first of up to 200 random ones with which nothing is wrong,
 /// else the best.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/placement.h"
 
+#include <numbers>
+
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/synth/body_shape.h"
@@ -48,6 +50,25 @@ TEST(Placement, TheHandIsInTheImageAtTheDistanceAskedFor) {
       EXPECT_TRUE(point.u >= 0 && point.u <= 159 && point.v >= 0 && point.v <= 119);
     }
   }
+}
+
+TEST(Placement, APresentedHandIsHeldUpWithItsPalmToTheCamera) {
+  const auto hand = box_hand();
+  const PlacementOptions options{.presented_share = 1.0, .palm_deg = 40, .upright_deg = 60};
+  int presented = 0;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    Random random(4, i);
+    const PlacedPosture placed = sampled_placement(hand->rig, HandAngles{}, test_camera(), options, random);
+    const auto landmarks = hand->rig.landmarks(hand->rig.pose(placed.posture, placed.camera_from_body));
+    if (presentation_violation(landmarks, options) > 0.0) continue;  // the search may end without one
+    ++presented;
+    const Point3 palm = landmarks[static_cast<std::size_t>(Landmark::palm)];
+    const Point3 along_hand = landmarks[static_cast<std::size_t>(Landmark::middle_mcp)] -
+                              landmarks[static_cast<std::size_t>(Landmark::wrist)];
+    EXPECT_GE(hand_axes(landmarks).col(2).dot(-palm.normalized()), std::cos(60.0 * std::numbers::pi / 180));
+    EXPECT_LT(along_hand.y(), 0.0) << "up in the image";
+  }
+  EXPECT_GT(presented, 40);
 }
 
 TEST(Placement, ComesFromTheStreamAlone) {
