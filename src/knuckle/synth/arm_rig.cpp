@@ -44,14 +44,14 @@ ArmAngles ArmAngles::from_values(const std::vector<double>& values) {
 }
 
 const std::vector<AngleRange>& arm_ranges() {
-  static const std::vector<AngleRange> kRanges = {{0, 105 * kDegree},              // shoulder elevation
-                                                  {15 * kDegree, 120 * kDegree},   // shoulder azimuth
-                                                  {-70 * kDegree, 75 * kDegree},   // humeral rotation
-                                                  {5 * kDegree, 140 * kDegree},    // elbow flexion
-                                                  {-85 * kDegree, 85 * kDegree},   // supination
-                                                  {-70 * kDegree, 75 * kDegree},   // wrist flexion
-                                                  {-20 * kDegree, 35 * kDegree}};  // wrist deviation
-  return kRanges;
+  static const std::vector<AngleRange> ranges = {{0, 105 * kDegree},              // shoulder elevation
+                                                 {15 * kDegree, 120 * kDegree},   // shoulder azimuth
+                                                 {-70 * kDegree, 75 * kDegree},   // humeral rotation
+                                                 {5 * kDegree, 140 * kDegree},    // elbow flexion
+                                                 {-85 * kDegree, 85 * kDegree},   // supination
+                                                 {-70 * kDegree, 75 * kDegree},   // wrist flexion
+                                                 {-20 * kDegree, 35 * kDegree}};  // wrist deviation
+  return ranges;
 }
 
 ArmRig::ArmRig(const ShapedBody& person)

@@ -130,12 +130,12 @@ Gesture gesture_of(const Row& row) {
 }  // namespace
 
 std::span<const Gesture> gestures() {
-  static const std::vector<Gesture> kGestures = [] {
+  static const std::vector<Gesture> all_gestures = [] {
     std::vector<Gesture> all;
     for (const Row& row : kRows) all.push_back(gesture_of(row));
     return all;
   }();
-  return kGestures;
+  return all_gestures;
 }
 
 const Gesture& gesture_from_name(std::string_view name) {

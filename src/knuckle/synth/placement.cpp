@@ -44,9 +44,9 @@ constexpr BodyBall kBalls[] = {
     {"wrist.L", "wrist.L", 0.0, 60, false},
     {"upperarm01.R", "upperarm01.R", 0.0, 65, false},
     {"upperarm01.R", "lowerarm01.R", 0.5, 50, false},
-    {"lowerarm01.R", "wrist.R", 0.0, 45, true},
-    {"lowerarm01.R", "wrist.R", 0.35, 42, true},
-    {"lowerarm01.R", "wrist.R", 0.65, 35, true},
+    {"lowerarm01.R", "lowerarm01.R", 0.0, 45, true},
+    {"lowerarm02.R", "wrist.R", 0.0, 42, true},
+    {"lowerarm02.R", "wrist.R", 0.5, 35, true},
 };
 
 struct Ball {

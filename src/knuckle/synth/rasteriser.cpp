@@ -78,7 +78,7 @@ class PointProjector {
       const double z = points[i].z();
       projected.key[i] = is_projective(camera_) ? 1.0 / z : -z;
       const bool is_drawable =
-          (z >= near_mm_) & (std::abs(projected.u[i]) < kGuardBand) & (std::abs(projected.v[i]) < kGuardBand);
+          z >= near_mm_ && std::abs(projected.u[i]) < kGuardBand && std::abs(projected.v[i]) < kGuardBand;
       if (is_drawable) projected.places[i] = {subpixels(projected.u[i]), subpixels(projected.v[i])};
     }
     return projected;
@@ -197,7 +197,7 @@ struct PixelRange {
   int right;
   int top;
   int bottom;
-  bool empty() const { return (left > right) | (top > bottom); }
+  bool empty() const { return left > right || top > bottom; }
 };
 
 int first_pixel(std::int32_t subpixel) {
@@ -236,7 +236,7 @@ void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner
             (ab.value + step * ab.column) | (bc.value + step * bc.column) | (ca.value + step * ca.column);
         const float raw_key = first_key + key_step * static_cast<float>(steps + lane);
         const float key = std::min(std::max(raw_key, plane.low), plane.high);
-        const bool is_nearer = (edges >= 0) & (key > keys[lane]);
+        const bool is_nearer = (edges >= 0) & (key > keys[lane]);  // no branch
         keys[lane] = is_nearer ? key : keys[lane];
         faces[lane] = is_nearer ? face : faces[lane];
       }

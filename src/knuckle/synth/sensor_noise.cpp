@@ -43,8 +43,8 @@ std::vector<float> normal_quantiles() {
 }
 
 const std::vector<float>& normal_table() {
-  static const std::vector<float> kTable = normal_quantiles();
-  return kTable;
+  static const std::vector<float> quantiles = normal_quantiles();
+  return quantiles;
 }
 
 std::array<float, kNormalsABlock> normals(std::uint64_t seed, std::uint32_t block) {
