@@ -68,7 +68,7 @@ TEST(Placement, APresentedHandIsHeldUpWithItsPalmToTheCamera) {
     EXPECT_GE(hand_axes(landmarks).col(2).dot(-palm.normalized()), std::cos(60.0 * std::numbers::pi / 180));
     EXPECT_LT(along_hand.y(), 0.0) << "up in the image";
   }
-  EXPECT_GT(presented, 40);
+  EXPECT_GT(presented, 25) << "of 50; without the option it is about one in twenty";
 }
 
 TEST(Placement, ComesFromTheStreamAlone) {
