@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 packages=(
   # tools
-  g++ cmake ninja-build pkg-config ccache clang-format clang-tidy gnuplot-nox fonts-dejavu-core python3
+  g++ cmake ninja-build pkg-config ccache clang-format clang-tidy gnuplot-nox fonts-dejavu-core python3 python3-numpy python3-h5py
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
   libopenexr-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev

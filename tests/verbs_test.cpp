@@ -143,6 +143,25 @@ TEST_F(VerbsTest, AFrameWithoutAHandIsALineOfNanAndAMissingPrediction) {
   EXPECT_EQ(nlohmann::json::parse(read_text_file(path("scores.json")))["methods"][0]["missing"], 1);
 }
 
+TEST_F(VerbsTest, ASourceWithoutTruthGivesAReportOfPictures) {
+  ASSERT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--format", "folder", "--out",
+                           path("set"), "--count", "2"}),
+              Succeeded());
+  std::filesystem::remove(path("set/joints.txt"));
+  const std::string source = "folder:" + path("set");
+  ASSERT_THAT(run_program({"estimate", "--source", source, "--out", path("poses.txt")}), Succeeded());
+  const std::string predictions = "x=" + path("poses.txt");
+  EXPECT_THAT(run_program({"evaluate", "--truth", source, "--predictions", predictions}),
+              FailedWith("no truth"));
+  ASSERT_THAT(
+      run_program({"evaluate", "--truth", source, "--predictions", predictions, "--out", path("report")}),
+      Succeeded());
+  EXPECT_THAT(read_text_file(path("report/report.html")), HasSubstr("data:image/png;base64,"));
+  EXPECT_THAT(run_program({"evaluate", "--truth", source + "?count=1", "--predictions", predictions, "--out",
+                           path("other")}),
+              FailedWith("poses.txt"));
+}
+
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {
   // A frame and its mirror image, the one with side = right, the other with side = left.
   const std::string pipeline = read_text_file("pipelines/default.toml");

@@ -65,8 +65,32 @@ void print_scores(const Evaluation& evaluation) {
   }
 }
 
-void run_evaluate(const EvaluateArguments& arguments) {
-  const OpenedTruth opened = open_truth(arguments);
+void write_out(const Report& report, const std::filesystem::path& folder) {
+  fmt::print("report: {}\n", write_report(report, folder).string());
+  write_resolved_options(folder, "");
+}
+
+/// A source without truth: nothing can be scored, but the poses can be looked at.
+void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& source) {
+  if (arguments.out.empty() || !arguments.json.empty()) {
+    fail("{}: the source has no truth to score against; --out alone makes a report of pictures",
+         arguments.truth);
+  }
+  const std::vector<Predictions> predictions = read_predictions(arguments, source.pixel_origin());
+  for (const Predictions& method : predictions) {
+    if (static_cast<std::int64_t>(method.sequence.poses.size()) != source.size()) {
+      fail("{}: holds {} poses, the source {} has {} frames", method.sequence.origin,
+           method.sequence.poses.size(), arguments.truth, source.size());
+    }
+  }
+  Report report;
+  report.title = "Hand poses";
+  report.facts = {{"source", arguments.truth}, {"truth", "none: nothing is scored"}};
+  report.gallery = make_gallery({&source, nullptr, nullptr, predictions}, arguments.gallery);
+  write_out(report, arguments.out);
+}
+
+void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
   const std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
   const Evaluation evaluation = evaluate(opened.truth, predictions);
   print_scores(evaluation);
@@ -76,8 +100,15 @@ void run_evaluate(const EvaluateArguments& arguments) {
   report.evaluation = evaluation;
   report.gallery =
       make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
-  fmt::print("report: {}\n", write_report(report, arguments.out).string());
-  write_resolved_options(arguments.out, "");
+  write_out(report, arguments.out);
+}
+
+void run_evaluate(const EvaluateArguments& arguments) {
+  if (names_a_source(arguments.truth)) {
+    const auto source = open_source(arguments.truth);
+    if (!source->convention()) return show_unlabelled(arguments, *source);
+  }
+  score_labelled(arguments, open_truth(arguments));
 }
 
 }  // namespace
