@@ -100,7 +100,9 @@ TEST_F(VerbsTest, SegmentWritesALineAFrame) {
   EXPECT_EQ(lines[0], "frame,found,x,y,width,height,milliseconds");
   for (std::size_t i = 1; i < lines.size(); ++i)
     EXPECT_THAT(lines[i], StartsWith(std::to_string(i - 1) + ",1,"));
-  EXPECT_TRUE(std::filesystem::exists(path("boxes.csv.options.toml")));
+  const std::string options = read_text_file(path("boxes.csv.options.toml"));
+  EXPECT_THAT(options, HasSubstr("bandwidth_mm = 13.5"));
+  EXPECT_THAT(options, HasSubstr("max_iterations = ")) << "defaults are written too";
 }
 
 TEST_F(VerbsTest, EstimatesAreEvaluatedAgainstTheirSource) {

@@ -46,7 +46,7 @@ void run_demo(const DemoArguments& arguments) {
   const auto page = write_report(report, arguments.out);
   write_poses_file(arguments.out / "poses.txt", pipeline.convention(),
                    poses_of(frames, pipeline.convention()));
-  write_resolved_options(arguments.out, read_text_file(pipeline_path));
+  write_resolved_options(arguments.out, pipeline.resolved_options());
   const MethodScore& score = report.evaluation->methods.front();
   fmt::print("{} frames at {:.0f} frames/s on one core, mean 3D error {:.1f} mm\n", frames.size(),
              frames_a_second(frames), score.mean_3d_mm);

@@ -38,7 +38,7 @@ void run_estimate(const EstimateArguments& arguments) {
   if (!arguments.json.empty()) {
     write_text_file(arguments.json, summary_json(frames, arguments.source, pipeline.convention()));
   }
-  write_resolved_options(arguments.out, read_text_file(arguments.pipeline));
+  write_resolved_options(arguments.out, pipeline.resolved_options());
   const auto found =
       std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
   fmt::print("{} frames, hand found in {}, median {:.2f} ms a frame: {}\n", frames.size(), found,

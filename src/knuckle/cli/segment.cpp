@@ -23,7 +23,7 @@ void run_segment(const SegmentArguments& arguments) {
   const std::vector<FrameSegmentation> frames =
       segment_all(*source, finder, start_from_name(arguments.init), arguments.source);
   write_text_file(arguments.out, boxes_csv(frames));
-  write_resolved_options(arguments.out, read_text_file(arguments.pipeline));
+  write_resolved_options(arguments.out, finder.resolved_options());
   const auto found = std::ranges::count_if(frames, &FrameSegmentation::found);
   fmt::print("{} frames, hand found in {}: {}\n", frames.size(), found, arguments.out.string());
 }

@@ -27,7 +27,7 @@ void train_forest(const TrainArguments& arguments) {
   const Stopwatch watch;
   const PoseForestTraining training = run_training(config, checkpoint_of(arguments));
   save_pose_forest(arguments.out, training.model);
-  write_resolved_options(arguments.out, read_text_file(arguments.config));
+  write_resolved_options(arguments.out, config.resolved_options);
   const auto& [total, without_hand, with_missing_joints] = training.frames;
   fmt::print("{} of {} frames used ({} without a hand, {} with missing joints), {:.1f} s: {}\n",
              training.frames.used(), total, without_hand, with_missing_joints, watch.milliseconds() / 1000.0,

@@ -33,6 +33,7 @@ struct OptionTable::State {
   std::string path;                             // as in "segmentation" or "refine[1]"; empty for the root
   std::set<std::string, std::less<>> known;     // keys that were asked for
   std::map<std::string, std::vector<std::shared_ptr<State>>, std::less<>> children;
+  std::string resolved;  // `key = value` lines of what was read, defaults included
 
   const toml::node* find(std::string_view key) {
     known.emplace(key);
@@ -64,6 +65,18 @@ struct OptionTable::State {
     for (const auto& [key, states] : children) {
       for (const auto& child : states) child->finish();
     }
+  }
+
+  std::string resolved_toml() const {
+    std::string text = resolved;
+    for (const auto& [key, states] : children) {
+      const bool is_list = table != nullptr && table->get(key) != nullptr && table->get(key)->is_array();
+      for (const auto& child : states) {
+        text +=
+            fmt::format(fmt::runtime(is_list ? "\n[[{}]]\n{}" : "\n[{}]\n{}"), key, child->resolved_toml());
+      }
+    }
+    return text;
   }
 
   std::shared_ptr<State> child(const toml::table* child_table, std::string child_path) const {
@@ -348,6 +361,9 @@ OptionTable OptionTable::parse(std::string_view toml, const std::string& origin)
 void OptionTable::visit(const std::function<void(OptionVisitor&)>& show_options) const {
   Reader<State> reader(*state_);
   show_options(reader);
+  const std::string lines = detail::visited_as_toml(show_options);
+  const bool is_repeated = state_->resolved.find(lines) != std::string::npos;  // read by two components
+  if (!is_repeated) state_->resolved += lines;
 }
 
 bool OptionTable::has(std::string_view key) const {
@@ -361,14 +377,14 @@ std::string OptionTable::required_text(std::string_view key) const {
 
 std::string OptionTable::text_or(std::string_view key, std::string_view otherwise) const {
   std::string value(otherwise);
-  Reader<State>(*state_).text(key, value);
+  visit([&](OptionVisitor& visitor) { visitor.text(key, value); });
   return value;
 }
 
 std::string OptionTable::choice_or(std::string_view key, std::string_view otherwise,
                                    std::span<const std::string_view> known) const {
   std::string value(otherwise);
-  Reader<State>(*state_).choice(key, value, known);
+  visit([&](OptionVisitor& visitor) { visitor.choice(key, value, known); });
   return value;
 }
 
@@ -400,6 +416,10 @@ std::vector<OptionTable> OptionTable::tables(std::string_view key) const {
 
 void OptionTable::leave(std::string_view key) const {
   state_->known.emplace(key);
+}
+
+std::string OptionTable::resolved_toml() const {
+  return state_->resolved_toml();
 }
 
 void OptionTable::finish() const {

@@ -113,6 +113,9 @@ class OptionTable {
   /// known. Call it last; once on the whole document is enough.
   void finish() const;
 
+  /// What was read so far, defaults included, as TOML: this table and those taken from it.
+  std::string resolved_toml() const;
+
   /// Throws an Error that names the file, the line of `key`, the key, and `message`.
   [[noreturn]] void fail_at(std::string_view key, std::string_view message) const;
 

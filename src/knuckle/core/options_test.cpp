@@ -124,6 +124,23 @@ TEST(OptionsTest, WhatIsLeftToOthersIsNotUnknown) {
   EXPECT_NO_THROW(root.finish());
 }
 
+TEST(OptionsTest, WhatWasResolvedReadsBackTheSameWithDefaultsIncluded) {
+  const auto read_all = [](const OptionTable& root) {
+    ExampleOptions options;
+    root.table("a").read(options);
+    for (const OptionTable& table : root.tables("b")) options.title += table.text_or("x", "default");
+    root.finish();
+    return options;
+  };
+  const OptionTable root = OptionTable::parse("[a]\ncount = 2\n[[b]]\nx = 'one'\n[[b]]\n", "f");
+  const ExampleOptions options = read_all(root);
+  const std::string resolved = root.resolved_toml();
+  EXPECT_THAT(resolved, HasSubstr("bandwidth_mm = 13.5"));
+  const OptionTable again = OptionTable::parse(resolved, "g");
+  EXPECT_EQ(read_all(again).title, options.title);
+  EXPECT_EQ(again.resolved_toml(), resolved);
+}
+
 TEST(OptionsTest, CheckingNamesTheOwnerFieldAndBound) {
   ExampleOptions options;
   options.count = 0;

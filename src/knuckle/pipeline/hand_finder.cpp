@@ -39,9 +39,7 @@ void HandOptions::visit(OptionVisitor& visitor) {
 
 HandFinder::HandFinder(const OptionTable& document) {
   document.table("hand").read(hand_);
-  const OptionTable segmentation = document.table("segmentation");
-  method_ = segmentation.text_or("method", "mean_shift");
-  segmenter_ = create_segmenter(segmentation, hand_.max_hands);
+  segmenter_ = create_segmenter(document.table("segmentation"), hand_.max_hands);
 }
 
 HandFinder HandFinder::load(const std::filesystem::path& path) {
@@ -49,6 +47,7 @@ HandFinder HandFinder::load(const std::filesystem::path& path) {
   HandFinder finder(document);
   for (const std::string_view other : {"patch", "estimator", "refine"}) document.leave(other);
   document.finish();
+  finder.resolved_options_ = document.resolved_toml();
   return finder;
 }
 

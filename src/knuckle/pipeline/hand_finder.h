@@ -30,7 +30,8 @@ class HandFinder {
   static HandFinder load(const std::filesystem::path& path);
 
   const HandOptions& hand() const { return hand_; }
-  const std::string& method() const { return method_; }
+  /// The tables of the file that were read, with all defaults filled in; empty where there was no file.
+  const std::string& resolved_options() const { return resolved_options_; }
 
   /// Regions in the frame's own image, also for a left hand (which the segmenter sees in a mirror). `start`
   /// is in camera coordinates.
@@ -40,7 +41,7 @@ class HandFinder {
 
  private:
   HandOptions hand_;
-  std::string method_;
+  std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;
 };
 

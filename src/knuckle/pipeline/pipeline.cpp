@@ -51,6 +51,7 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   Pipeline pipeline(document);
   document.finish();
+  pipeline.resolved_options_ = document.resolved_toml();
   return pipeline;
 }
 

@@ -47,6 +47,9 @@ class Pipeline {
 
   const HandOptions& hand() const { return finder_.hand(); }
 
+  /// The pipeline file with all defaults filled in.
+  const std::string& resolved_options() const { return resolved_options_; }
+
   /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
   /// camera coordinates [mm]. Safe to call from many threads.
   FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
@@ -56,6 +59,7 @@ class Pipeline {
   FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
 
+  std::string resolved_options_;
   HandFinder finder_;
   std::unique_ptr<Estimator> estimator_;
   std::unique_ptr<PatchExtractor> extractor_;

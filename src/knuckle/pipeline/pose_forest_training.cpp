@@ -87,10 +87,12 @@ PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::p
                                   .start = start_from_name(document.choice_or("start", "truth", kStartNames)),
                                   .finder = HandFinder(document),
                                   .patch = {},
-                                  .forest = {}};
+                                  .forest = {},
+                                  .resolved_options = {}};
   document.table("patch").read(config.patch);
   document.table("forest").read(config.forest);
   document.finish();
+  config.resolved_options = document.resolved_toml();
   return config;
 }
 

@@ -28,6 +28,7 @@ struct PoseForestTrainingConfig {
   HandFinder finder;
   PatchOptions patch;
   PoseForestTrainingOptions forest;
+  std::string resolved_options;  ///< the file with all defaults filled in
 
   /// Throws an Error that names file, line and key where the file is wrong.
   static PoseForestTrainingConfig load(const std::filesystem::path& path);
