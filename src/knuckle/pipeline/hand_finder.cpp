@@ -23,8 +23,7 @@ std::vector<Point3> known_joints(const Frame& frame, std::span<const Landmark> w
   return points;
 }
 
-std::optional<Point3> mean_of(const std::vector<Point3>& points) {
-  if (points.empty()) return std::nullopt;
+Point3 mean_of(const std::vector<Point3>& points) {
   Point3 sum = Point3::Zero();
   for (const Point3& point : points) sum += point;
   return sum / static_cast<double>(points.size());
@@ -83,7 +82,8 @@ std::optional<Point3> true_start(const Frame& frame) {
   for (const std::span<const Landmark> wanted :
        {std::span<const Landmark>(kPalm), std::span<const Landmark>(kAroundPalm),
         frame.truth->convention.landmarks}) {
-    if (const auto centre = mean_of(known_joints(frame, wanted))) return centre;
+    const std::vector<Point3> joints = known_joints(frame, wanted);
+    if (!joints.empty()) return mean_of(joints);
   }
   return std::nullopt;
 }
