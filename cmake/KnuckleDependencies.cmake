@@ -1,28 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages, found here once for all modules; scripts/setup.sh installs them.
+# What the library needs: Debian packages, found here once for all modules; scripts/setup.sh installs them. An installed
+# Knuckle reads this file too, for the programs that use it.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(TBB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
-find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 
 # The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the three modules that we use ourselves.
 find_path(OPENCV_INCLUDE_FOLDER opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-add_library(knuckle_opencv INTERFACE)
-target_include_directories(knuckle_opencv SYSTEM INTERFACE ${OPENCV_INCLUDE_FOLDER})
+add_library(knuckle_opencv INTERFACE IMPORTED GLOBAL)
+target_include_directories(knuckle_opencv INTERFACE ${OPENCV_INCLUDE_FOLDER})
 foreach(module core imgproc imgcodecs)
   find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
   target_link_libraries(knuckle_opencv INTERFACE ${OPENCV_${module}_LIBRARY})
 endforeach()
 
 # HDF5 exports variables, not usage requirements.
-add_library(knuckle_hdf5 INTERFACE)
-target_include_directories(knuckle_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
+add_library(knuckle_hdf5 INTERFACE IMPORTED GLOBAL)
+target_include_directories(knuckle_hdf5 INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_link_libraries(knuckle_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
