@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "knuckle/core/options.h"
 #include "knuckle/data/frame_source.h"
 
 namespace knuckle {
@@ -19,5 +20,8 @@ std::vector<std::string> source_kinds();
 
 /// Whether the text starts with a kind of source and a colon (and is not, say, a file's name).
 bool names_a_source(std::string_view text);
+
+/// A source as a file names it: a relative path starts at the file's folder.
+std::string source_beside(const OptionTable& document, const std::string& text);
 
 }  // namespace knuckle

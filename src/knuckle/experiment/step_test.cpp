@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/experiment/step.h"
+
+#include <stdexcept>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/testing.h"
+
+namespace knuckle::testing {
+namespace {
+
+class StepTest : public ::testing::Test {
+ protected:
+  /// Runs a step that writes `content`; returns whether it was done.
+  bool is_done(const StepInputs& inputs, const std::string& content = "made") {
+    return run_step(output_, inputs, [&] { write_text_file(output_, content); }) == StepOutcome::done;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path output_ = std::filesystem::path(folder_ / "a" ) / "output.txt";
+};
+
+TEST_F(StepTest, IsDoneOnceForTheSameInputs) {
+  EXPECT_TRUE(is_done(StepInputs().add("scale", "1")));
+  EXPECT_FALSE(is_done(StepInputs().add("scale", "1")));
+  EXPECT_TRUE(is_done(StepInputs().add("scale", "2"), "other"));
+  EXPECT_EQ(read_text_file(output_), "other");
+  EXPECT_TRUE(is_done(StepInputs().add("scale", "1"))) << "only the last inputs are those of the output";
+}
+
+TEST_F(StepTest, IsDoneAgainWhereItsOutputIsGone) {
+  EXPECT_TRUE(is_done(StepInputs()));
+  std::filesystem::remove(output_);
+  EXPECT_TRUE(is_done(StepInputs()));
+}
+
+TEST_F(StepTest, IsDoneAgainWhereAnInputFileChanged) {
+  const std::filesystem::path file = folder_ / "input";
+  write_text_file(file, "one");
+  EXPECT_TRUE(is_done(StepInputs().add_content("file", file)));
+  EXPECT_FALSE(is_done(StepInputs().add_content("file", file)));
+  write_text_file(file, "two");
+  EXPECT_TRUE(is_done(StepInputs().add_content("file", file)));
+}
+
+TEST_F(StepTest, IsDoneAgainWhereAFileOfAnInputFolderChanged) {
+  const std::filesystem::path set = folder_ / "set";
+  make_folder(set / "depth");
+  write_text_file(set / "depth/0.png", "one");
+  EXPECT_TRUE(is_done(StepInputs().add_content("set", set)));
+  EXPECT_FALSE(is_done(StepInputs().add_content("set", set)));
+  std::filesystem::rename(set / "depth/0.png", set / "depth/1.png");
+  EXPECT_TRUE(is_done(StepInputs().add_content("set", set)));
+}
+
+TEST_F(StepTest, IsDoneAgainAfterItFailed) {
+  EXPECT_TRUE(is_done(StepInputs().add("scale", "1"), "old"));
+  const StepInputs changed = StepInputs().add("scale", "2");
+  EXPECT_THROW(run_step(output_, changed, [] { throw std::runtime_error("stopped"); }), std::runtime_error);
+  EXPECT_TRUE(is_done(changed, "new"));
+  EXPECT_THROW(run_step(output_, StepInputs(), [] { throw std::runtime_error("stopped"); }), std::runtime_error);
+  EXPECT_TRUE(is_done(changed, "new")) << "what a stopped step left counts as made from nothing known";
+}
+
+TEST_F(StepTest, ContentHashIsThatOfXxhsum) {
+  const std::filesystem::path file = folder_ / "empty";
+  write_text_file(file, "");
+  EXPECT_EQ(content_hash(file), "99aa06d3014798d86001c324468d497f");  // xxhsum -H2 of an empty file
+}
+
+TEST_F(StepTest, NamesAMissingInput) {
+  EXPECT_THAT([&] { StepInputs().add_content("model", folder_ / "none.h5"); },
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("none.h5")));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
