@@ -12,7 +12,7 @@ install(TARGETS ${libraries} EXPORT knuckleTargets ARCHIVE DESTINATION ${CMAKE_I
 install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/knuckle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h"
         PATTERN "*testing*" EXCLUDE PATTERN "*fixtures*" EXCLUDE PATTERN "cli" EXCLUDE)
-install(DIRECTORY models pipelines manifests DESTINATION ${data_folder})
+install(DIRECTORY experiments models pipelines manifests DESTINATION ${data_folder})
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT knuckleTargets NAMESPACE knuckle:: DESTINATION ${package_folder})
