@@ -32,6 +32,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"segment"},
                                                {"estimate"},
                                                {"evaluate"},
+                                               {"experiment"},
                                                {"demo"}}) {
     std::vector<std::string> arguments = verb;
     arguments.push_back("--help");

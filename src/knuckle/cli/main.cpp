@@ -29,6 +29,7 @@ int run(int count, char** arguments) {
   add_segment(program);
   add_estimate(program);
   add_evaluate(program);
+  add_experiment(program);
   add_demo(program);
   try {
     program.parse(count, arguments);

@@ -17,6 +17,7 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
 void add_demo(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_evaluate(CLI::App& program);
+void add_experiment(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
 void add_render(CLI::App& program);

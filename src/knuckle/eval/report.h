@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,21 @@ struct ReportFact {
   std::string value;
 };
 
+/// A table as it is shown; all cells are plain text.
+struct ReportTable {
+  std::string title;
+  std::vector<std::string> heads;
+  std::vector<std::vector<std::string>> rows;  ///< one cell a head
+  std::string note;                            ///< below the table; may be empty
+};
+
 /// What a report tells. Every part may be empty: without truth there is only the gallery.
 struct Report {
+  std::string
+      id;  ///< of this part where a page has several: its figures and files lie in a folder of that name
   std::string title = "Hand pose evaluation";
   std::vector<ReportFact> facts;
+  std::vector<ReportTable> tables;
   std::optional<Evaluation> evaluation;
   std::vector<SegmentationScore> segmentation;
   std::vector<GalleryRow> gallery;
@@ -40,12 +52,20 @@ struct ReportFigures {
   std::vector<DrawnFigure> segmentation;
 };
 
-/// The report as one HTML page that needs no other file: figures as inline SVG, pictures as PNG inside.
-std::string report_html(const Report& report, const ReportFigures& figures);
+/// A report and what was drawn for it.
+struct ReportPart {
+  Report report;
+  ReportFigures figures;
+};
+
+/// The reports as one HTML page that needs no other file: figures as inline SVG, pictures as PNG inside.
+std::string report_html(std::span<const ReportPart> parts);
 
 /// Writes into `folder` (made where it is missing) `report.html`, and beside it `figures/NAME.svg` and
 /// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation. Returns the path
 /// of the page, which is written last. Throws an Error where gnuplot is missing or a file cannot be written.
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder);
+/// The same for several reports on one page; the files of each lie in `folder / id`.
+std::filesystem::path write_report(std::span<const Report> reports, const std::filesystem::path& folder);
 
 }  // namespace knuckle

@@ -111,8 +111,7 @@ bool compare_the_same(const Evaluation& evaluation) {
 std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {
   std::string html = fmt::format("<div class=\"{}\">\n", style);
   for (const DrawnFigure& drawn : figures) {
-    add(html, "<figure{} id=\"{}\">{}</figure>\n",
-        drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "", html_escaped(drawn.figure.name),
+    add(html, "<figure{}>{}</figure>\n", drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "",
         inline_svg(drawn.svg, drawn.figure.title));
   }
   return html + "</div>\n";
@@ -134,6 +133,21 @@ std::string head_section(const Report& report) {
     add_fact("frames", fmt::format("{}, {} of them with truth", first.frames, first.scored_frames));
   }
   return html + "</dl>\n";
+}
+
+std::string table_section(const ReportTable& shown) {
+  std::string html =
+      fmt::format("<h2>{}</h2>\n<div class=\"scroll\"><table>\n<thead><tr>", html_escaped(shown.title));
+  for (const std::string& head : shown.heads) add(html, "<th>{}</th>", html_escaped(head));
+  html += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : shown.rows) {
+    html += "<tr>";
+    for (const std::string& cell : row) add(html, "<td>{}</td>", html_escaped(cell));
+    html += "</tr>\n";
+  }
+  html += "</tbody></table></div>\n";
+  if (!shown.note.empty()) add(html, "<p>{}</p>\n", html_escaped(shown.note));
+  return html;
 }
 
 std::string score_section(const Evaluation& evaluation) {

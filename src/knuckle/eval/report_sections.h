@@ -13,6 +13,9 @@ namespace knuckle {
 /// Title and facts.
 std::string head_section(const Report& report);
 
+/// A table of its own, with heading and note.
+std::string table_section(const ReportTable& shown);
+
 /// Methods x measures, the best of each measure in bold.
 std::string score_section(const Evaluation& evaluation);
 

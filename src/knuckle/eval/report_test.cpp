@@ -124,6 +124,23 @@ TEST_F(ReportTest, WithoutTruthThereIsAGallery) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "plain" / "metrics.json"));
 }
 
+TEST_F(ReportTest, SeveralReportsShareAPageAndHaveFoldersOfTheirOwn) {
+  Report other = report_;
+  report_.id = "first";
+  other.id = "second";
+  other.title = "Another";
+  other.tables = {{"Times & more", {"method", "ms"}, {{"a<b", "1.5"}}, "measured"}};
+  const std::vector<Report> reports = {report_, other};
+  const std::string html = read_text_file(write_report(reports, folder_.path()));
+  EXPECT_TRUE(is_well_formed_xml(body_of(html)));
+  EXPECT_EQ(count_of(html, "<h1>"), 2);
+  EXPECT_THAT(html, HasSubstr("<h2>Times &amp; more</h2>"));
+  EXPECT_THAT(html, HasSubstr("<td>a&lt;b</td><td>1.5</td>"));
+  EXPECT_EQ(count_of(html, "How to read this"), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "first" / "metrics.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "second" / "figures" / "overlap.svg"));
+}
+
 TEST_F(ReportTest, AnUnwritableFolderIsNamed) {
   write_text_file(folder_ / "file", "");
   EXPECT_THAT(error_of([&] { write_report(report_, folder_ / "file"); }), HasSubstr("file"));

@@ -51,7 +51,7 @@ struct ExperimentPlan {
   std::string name;   ///< of the file, without extension
   std::string title;  ///< of the report
   Convention convention;
-  std::vector<PlannedSequence> sequences;   ///< at least one
+  std::vector<PlannedSequence> sequences;  ///< at least one
   std::vector<PlannedModel> models;
   std::vector<PlannedMethod> segmentation;
   std::vector<PlannedMethod> estimation;

@@ -26,9 +26,10 @@ class PlanTest : public ::testing::Test {
 };
 
 TEST_F(PlanTest, PathsStartAtThePlan) {
-  const ExperimentPlan plan = load(std::string(kSequence) +
-                                   "[[model]]\nfile = \"m.h5\"\nkind = \"pose-forest\"\nconfig = \"../c.toml\"\n"
-                                   "[[estimation]]\nname = \"forest\"\npipeline = \"p/forest.toml\"\n");
+  const ExperimentPlan plan =
+      load(std::string(kSequence) +
+           "[[model]]\nfile = \"m.h5\"\nkind = \"pose-forest\"\nconfig = \"../c.toml\"\n"
+           "[[estimation]]\nname = \"forest\"\npipeline = \"p/forest.toml\"\n");
   const std::filesystem::path base = std::filesystem::path(folder_ / "plan.toml").parent_path();
   EXPECT_EQ(plan.name, "plan");
   EXPECT_EQ(plan.sequences.at(0).source, "folder:" + (base / "set").string());
@@ -40,7 +41,8 @@ TEST_F(PlanTest, PathsStartAtThePlan) {
 
 TEST_F(PlanTest, NamesTheFault) {
   const auto faults = [&](const std::string& toml, const std::string& part) {
-    EXPECT_THAT([&] { load(toml); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.toml"), HasSubstr(part)))) << toml;
+    EXPECT_THAT([&] { load(toml); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.toml"), HasSubstr(part))))
+        << toml;
   };
   faults("title = \"x\"\n", "at least one [[sequence]]");
   faults(std::string(kSequence) + std::string(kSequence), "\"one\" stands twice");
@@ -50,7 +52,8 @@ TEST_F(PlanTest, NamesTheFault) {
 }
 
 TEST_F(PlanTest, AnUnknownNameListsTheKnownOnes) {
-  EXPECT_THAT([] { find_plan("nonsense"); }, ThrowsMessage<Error>(AllOf(HasSubstr("nonsense"), HasSubstr("scia15"))));
+  EXPECT_THAT([] { find_plan("nonsense"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("nonsense"), HasSubstr("scia15"))));
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ StepInputs& StepInputs::add_content(std::string_view name, const std::filesystem
 std::string content_hash(const std::filesystem::path& file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) fail("{}: cannot be read", file.string());
-  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
   XXH3_128bits_reset(state.get());
   std::vector<char> block(std::size_t{1} << 20);
   while (const std::size_t length = std::fread(block.data(), 1, block.size(), stream.get())) {

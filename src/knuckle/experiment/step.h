@@ -29,9 +29,9 @@ enum class StepOutcome {
   kept,  ///< the output was there, made from the same inputs
 };
 
-/// Does `work`, which writes `output` (whole or not at all), unless that was made from the same inputs before.
-/// The inputs are kept beside it as `OUTPUT.inputs`, so that a run that was stopped or changed redoes only what
-/// it must.
+/// Does `work`, which writes `output` (whole or not at all), unless that was made from the same inputs
+/// before. The inputs are kept beside it as `OUTPUT.inputs`, so that a run that was stopped or changed redoes
+/// only what it must.
 StepOutcome run_step(const std::filesystem::path& output, const StepInputs& inputs,
                      const std::function<void()>& work);
 

@@ -18,7 +18,7 @@ class StepTest : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::filesystem::path output_ = std::filesystem::path(folder_ / "a" ) / "output.txt";
+  std::filesystem::path output_ = std::filesystem::path(folder_ / "a") / "output.txt";
 };
 
 TEST_F(StepTest, IsDoneOnceForTheSameInputs) {
@@ -59,7 +59,8 @@ TEST_F(StepTest, IsDoneAgainAfterItFailed) {
   const StepInputs changed = StepInputs().add("scale", "2");
   EXPECT_THROW(run_step(output_, changed, [] { throw std::runtime_error("stopped"); }), std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new"));
-  EXPECT_THROW(run_step(output_, StepInputs(), [] { throw std::runtime_error("stopped"); }), std::runtime_error);
+  EXPECT_THROW(run_step(output_, StepInputs(), [] { throw std::runtime_error("stopped"); }),
+               std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new")) << "what a stopped step left counts as made from nothing known";
 }
 

@@ -7,12 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/core/text.h"
 #include "knuckle/pipeline/stopwatch.h"
 
 namespace knuckle {
 namespace {
+
+constexpr std::string_view kBoxesHead = "frame,found,x,y,width,height,milliseconds";
 
 /// Calls `process(frame)` for every frame of the source and keeps what it returns, in the source's order.
 template <class Result, class Process>
@@ -70,13 +74,33 @@ std::vector<FrameSegmentation> segment_all(const FrameSource& source, const Hand
 }
 
 std::string boxes_csv(std::span<const FrameSegmentation> frames) {
-  std::string csv = "frame,found,x,y,width,height,milliseconds\n";
+  std::string csv = std::string(kBoxesHead) + "\n";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& [found, box, milliseconds] = frames[i];
     csv += fmt::format("{},{},{},{},{},{},{:.3f}\n", i, found ? 1 : 0, box.x, box.y, box.width, box.height,
                        milliseconds);
   }
   return csv;
+}
+
+std::vector<FrameSegmentation> read_boxes_csv(const std::filesystem::path& path) {
+  const std::vector<std::string> lines = read_lines(path);
+  if (lines.empty() || lines.front() != kBoxesHead) {
+    fail("{}:1: expected the head '{}'", path.string(), kBoxesHead);
+  }
+  std::vector<FrameSegmentation> frames;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::string where = fmt::format("{}:{}", path.string(), i + 1);
+    const std::vector<double> values = parse_numbers(lines[i], where);
+    if (values.size() != 7) fail("{}: holds {} values, expected 7", where, values.size());
+    if (values[0] != static_cast<double>(frames.size())) {
+      fail("{}: is of frame {}, expected {}", where, values[0], frames.size());
+    }
+    const Box box{static_cast<int>(values[2]), static_cast<int>(values[3]), static_cast<int>(values[4]),
+                  static_cast<int>(values[5])};
+    frames.push_back({values[1] != 0.0, box, values[6]});
+  }
+  return frames;
 }
 
 std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipeline& pipeline, Start start,

@@ -38,6 +38,9 @@ std::vector<FrameSegmentation> segment_all(const FrameSource& source, const Hand
 
 /// CSV with the columns frame,found,x,y,width,height,milliseconds; frames count from 0.
 std::string boxes_csv(std::span<const FrameSegmentation> frames);
+/// Reads such a file back. Throws an Error that names file and line where it is not one, or a frame is left
+/// out.
+std::vector<FrameSegmentation> read_boxes_csv(const std::filesystem::path& path);
 
 /// Runs the pipeline on all frames of a source on all threads.
 std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipeline& pipeline, Start start,

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/experiment/trainers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
+#include "knuckle/pipeline/open_source.h"
+#include "knuckle/pipeline/pose_forest_training.h"
+
+namespace knuckle {
+namespace {
+
+/// One kind of training.
+struct Trainer {
+  std::string_view kind;
+  std::string (*source)(const std::filesystem::path& config);
+  void (*train)(const std::filesystem::path& config, double scale, const std::filesystem::path& out);
+};
+
+void train_pose_forest_model(const std::filesystem::path& path, double scale,
+                             const std::filesystem::path& out) {
+  auto config = PoseForestTrainingConfig::load(path);
+  config.source = scaled_source(config.source, scale);
+  save_pose_forest(out, run_training(config, out.string() + ".checkpoint").model);
+}
+
+constexpr std::array kTrainers{
+    Trainer{"pose-forest",
+            [](const std::filesystem::path& path) { return PoseForestTrainingConfig::load(path).source; },
+            train_pose_forest_model},
+};
+
+const Trainer& trainer_of(std::string_view kind) {
+  const auto* trainer = std::ranges::find(kTrainers, kind, &Trainer::kind);
+  if (trainer != kTrainers.end()) return *trainer;
+  std::vector<std::string> known;
+  for (const Trainer& each : kTrainers) known.emplace_back(each.kind);
+  fail("no training of the kind '{}'; known: {}", kind, joined(known));
+}
+
+}  // namespace
+
+std::string training_source(std::string_view kind, const std::filesystem::path& config) {
+  return trainer_of(kind).source(config);
+}
+
+void train_model(std::string_view kind, const std::filesystem::path& config, double scale,
+                 const std::filesystem::path& out) {
+  trainer_of(kind).train(config, scale, out);
+}
+
+std::string scaled_source(const std::string& source, double scale) {
+  if (scale == 1.0) return source;
+  const auto frames = static_cast<double>(open_source(source)->size());
+  const auto count = std::max<std::int64_t>(1, std::llround(frames * scale));
+  const std::vector<std::string_view> parts = split(source, '?');
+  std::string scaled = fmt::format("{}?count={}", parts.front(), count);
+  if (parts.size() == 1) return scaled;
+  for (const std::string_view setting : split(parts[1], '&')) {
+    if (!setting.starts_with("count=")) scaled += fmt::format("&{}", setting);
+  }
+  return scaled;
+}
+
+}  // namespace knuckle

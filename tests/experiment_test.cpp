@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// `knuckle experiment`: from data to report, and only what must be redone.
+#include "program.h"
+
+#include <map>
+
+#include "knuckle/core/file_io.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A plan of one short sequence, two segmentations and one forest that is trained on a few frames.
+class ExperimentTest : public ::testing::Test {
+ protected:
+  ExperimentTest() {
+    write_text_file(folder_ / "scene.toml",
+                    "frames = 6\n[camera]\nwidth = 160\nheight = 120\nfx = 112.0\nfy = 112.0\n"
+                    "cx = 79.5\ncy = 59.5\n[pose]\nmotion = \"smooth\"\n");
+    write_text_file(folder_ / "train.toml",
+                    "source = \"synthetic:scene.toml?count=4\"\n[patch]\nsize_px = 24\n"
+                    "[forest]\ntrees = 2\nmax_depth = 3\nsplits_per_node = 20\nmin_leaf_samples = 1\n");
+    write_text_file(folder_ / "threshold.toml", "[segmentation]\nmethod = \"threshold\"\n");
+    write_text_file(folder_ / "mean_shift.toml", "[segmentation]\nmethod = \"mean_shift\"\n");
+    write_text_file(folder_ / "forest.toml",
+                    "[segmentation]\nmethod = \"mean_shift\"\n[estimator]\nmethod = \"forest\"\n"
+                    "model = \"../models/forest.h5\"\n");
+    write_text_file(
+        folder_ / "plan.toml",
+        "title = \"A small plan\"\n[[sequence]]\nname = \"scene\"\ntitle = \"The scene\"\n"
+        "source = \"synthetic:scene.toml\"\n[[model]]\nfile = \"forest.h5\"\nkind = \"pose-forest\"\n"
+        "config = \"train.toml\"\n"
+        "[[segmentation]]\nname = \"threshold\"\npipeline = \"threshold.toml\"\n"
+        "[[segmentation]]\nname = \"mean shift\"\npipeline = \"mean_shift.toml\"\n"
+        "[[estimation]]\nname = \"forest\"\npipeline = \"forest.toml\"\n");
+  }
+
+  ProgramRun run(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"experiment", folder_ / "plan.toml", "--out", out_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+
+  std::string read(const std::string& name) const { return read_text_file(out_ / name); }
+
+  /// When each file was last written.
+  std::map<std::filesystem::path, std::filesystem::file_time_type> times() const {
+    std::map<std::filesystem::path, std::filesystem::file_time_type> times;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(out_)) {
+      if (entry.is_regular_file()) times[entry.path()] = entry.last_write_time();
+    }
+    return times;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path out_ = std::filesystem::path(folder_ / "out");
+};
+
+TEST_F(ExperimentTest, GoesFromDataToReport) {
+  ASSERT_THAT(run(), Succeeded());
+  const std::string page = read("report.html");
+  for (const char* part : {"A small plan", "The scene", "mean shift", "Frames with box overlap r &gt; t",
+                           "Mean 3D error of each joint", "median time of a frame"}) {
+    EXPECT_THAT(page, HasSubstr(part));
+  }
+  for (const char* file : {"models/forest.h5", "pipelines/forest.toml", "scene/boxes/mean_shift.csv",
+                           "scene/poses/forest.txt", "scene/metrics.json", "scene/figures/overlap.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(out_ / file)) << file;
+  }
+}
+
+TEST_F(ExperimentTest, ASecondRunDoesNothing) {
+  ASSERT_THAT(run(), Succeeded());
+  const auto before = times();
+  const ProgramRun again = run();
+  ASSERT_THAT(again, Succeeded());
+  EXPECT_THAT(again.out, Not(HasSubstr("training")));
+  EXPECT_EQ(times(), before);
+}
+
+TEST_F(ExperimentTest, RedoesOnlyWhatAChangeTouches) {
+  ASSERT_THAT(run(), Succeeded());
+  const auto before = times();
+  write_text_file(folder_ / "mean_shift.toml",
+                  "[segmentation]\nmethod = \"mean_shift\"\nbandwidth_mm = 12.0\n");
+  ASSERT_THAT(run(), Succeeded());
+  const auto after = times();
+  const auto is_redone = [&](const std::string& file) {
+    return after.at(out_ / file) != before.at(out_ / file);
+  };
+  EXPECT_TRUE(is_redone("scene/boxes/mean_shift.csv"));
+  EXPECT_TRUE(is_redone("report.html"));
+  EXPECT_FALSE(is_redone("scene/boxes/threshold.csv"));
+  EXPECT_FALSE(is_redone("models/forest.h5"));
+  EXPECT_FALSE(is_redone("scene/poses/forest.txt"));
+}
+
+TEST_F(ExperimentTest, ScaleCutsTrainingAndTest) {
+  ASSERT_THAT(run({"--scale", "0.5"}), Succeeded());
+  const std::string boxes = read("scene/boxes/threshold.csv");
+  EXPECT_EQ(std::count(boxes.begin(), boxes.end(), '\n'), 1 + 3);
+}
+
+TEST_F(ExperimentTest, UsesTrainedModels) {
+  ASSERT_THAT(run(), Succeeded());
+  const std::string model = read("models/forest.h5");
+  std::filesystem::rename(out_ / "models", folder_ / "trained");
+  const ProgramRun again = run({"--models", folder_ / "trained"});
+  ASSERT_THAT(again, Succeeded());
+  EXPECT_THAT(again.out, Not(HasSubstr("training")));
+  EXPECT_EQ(read("models/forest.h5"), model);
+}
+
+TEST_F(ExperimentTest, NamesWhatIsWrong) {
+  EXPECT_THAT(run_program({"experiment", "nonsense", "--out", out_}), FailedWith("scia15"));
+  EXPECT_THAT(run({"--scale", "0"}), FailedWith("scale"));
+  EXPECT_THAT(run({"--scale", "nan"}), FailedWith("scale"));
+  write_text_file(folder_ / "forest.toml",
+                  "[estimator]\nmethod = \"forest\"\nmodel = \"../models/none.h5\"\n");
+  EXPECT_THAT(run(), FailedWith("none.h5"));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
