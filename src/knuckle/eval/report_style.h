@@ -17,6 +17,7 @@ inline constexpr std::string_view kReportStyle = R"css(
 body { margin: 0 auto; padding: 2.5rem 1.5rem 4rem; max-width: 75rem; background: var(--paper); color: var(--ink);
   font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
 h1 { margin: 0 0 .5rem; font-size: 1.9rem; line-height: 1.2; overflow-wrap: anywhere; }
+* + h1 { margin-top: 4.5rem; }
 h2 { margin: 2.8rem 0 .8rem; font-size: 1.3rem; }
 h3 { margin: 1.6rem 0 .5rem; font-size: 1rem; font-weight: 600; overflow-wrap: anywhere; }
 p, li, dd { max-width: 48rem; }
