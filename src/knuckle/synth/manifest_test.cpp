@@ -28,7 +28,7 @@ TEST_F(ManifestTest, AnEmptyOneIsTheDefaults) {
   EXPECT_EQ(manifest.frames, 1000);
   EXPECT_EQ(manifest.camera.camera.width, 320);
   EXPECT_EQ(manifest.camera.camera.fx, 224.0);
-  EXPECT_EQ(manifest.sensor.sigma_mm, 3.0);
+  EXPECT_EQ(manifest.sensor.noise.sigma_mm, 3.0);
 }
 
 TEST_F(ManifestTest, EveryTableIsRead) {
@@ -44,7 +44,22 @@ TEST_F(ManifestTest, EveryTableIsRead) {
   EXPECT_EQ(manifest.pose.pair_share, 2.0);
   EXPECT_TRUE(manifest.motion.is_smooth());
   EXPECT_EQ(manifest.placement.nearest_mm, 300.0);
-  EXPECT_EQ(manifest.sensor.sigma_mm, 1.5);
+  EXPECT_EQ(manifest.sensor.noise.sigma_mm, 1.5);
+}
+
+TEST_F(ManifestTest, APresetSetsCameraAndSensorAndKeysChangeSingleValues) {
+  const Manifest preset = load_manifest(written("[sensor]\npreset = 'kinect_v2'\n"));
+  EXPECT_EQ(preset.camera.camera.width, 512);
+  EXPECT_EQ(preset.camera.camera.height, 424);
+  EXPECT_EQ(preset.sensor.drop_outs.range_mm, 4500.0);
+  EXPECT_GT(preset.sensor.infrared.infrared, 0.0);
+  const Manifest changed = load_manifest(written(
+      "[camera]\nfx = 366.0\nfocal_spread = 0.1\n[sensor]\npreset = 'kinect_v2'\nrange_mm = 2000.0\n"));
+  EXPECT_EQ(changed.camera.camera.fx, 366.0);
+  EXPECT_EQ(changed.camera.camera.fy, preset.camera.camera.fy);
+  EXPECT_EQ(changed.camera.focal_spread, 0.1);
+  EXPECT_EQ(changed.sensor.drop_outs.range_mm, 2000.0);
+  EXPECT_EQ(changed.sensor.noise.sigma_mm, preset.sensor.noise.sigma_mm);
 }
 
 TEST_F(ManifestTest, ErrorsNameFileAndFault) {
@@ -64,7 +79,16 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
        "= 0.0",
        "gesture_share"},
       {"[placement]\nnearest_mm = 800.0\nfarthest_mm = 400.0", "nearest_mm"},
-      {"[sensor]\nsigma_mm = nan", "sigma_mm"},
+      {"[sensor]\nsigma_mm = nan", "m.toml:2: sensor.sigma_mm"},
+      {"[sensor]\npreset = 'kinect_v3'", "m.toml:2: sensor.preset"},
+      {"[sensor]\npreset = 'kinect_v3'", "kinect_v2"},
+      {"[sensor]\nflying = 1.0", "m.toml:2: sensor.flying: unknown key"},
+      {"[sensor]\nflying_px = -1.0", "m.toml:2: sensor.flying_px"},
+      {"[sensor]\nhole_share = 2.0", "m.toml:2: sensor.hole_share"},
+      {"[sensor]\nnear_mm = 900.0\nrange_mm = 400.0", "m.toml:2: sensor.near_mm: is 900"},
+      {"[sensor]\npreset = 'creative'\nnear_mm = 1200.0", "m.toml:3: sensor.near_mm: is 1200"},
+      {"[sensor]\ndisparity_px = 0.5", "m.toml:2: sensor.disparity_px"},
+      {"[camera]\nmodel = 'orthographic'\n[sensor]\npreset = 'sr300'", "baseline_mm"},
       {"[body]\npeople = 0", "people"},
       {"seed = = 3", "m.toml"}};
   for (const auto& [text, fault] : faults) {
