@@ -10,23 +10,20 @@
 namespace knuckle {
 namespace {
 
+constexpr float kMostCounts = 65535.0f;
+
 /// Amplitudes before noise.
 Image<float> amplitudes_of(const Image<float>& depth_mm, const Image<float>& cosines, const Camera& camera,
                            double amplitude_at_1_m) {
   constexpr double kSquareMillimetres = 1e6;  ///< in a square metre
   const auto gain = static_cast<float>(amplitude_at_1_m * kSquareMillimetres);
-  const RayLengths ray_length(camera);
-  Image<float> amplitudes(depth_mm.width(), depth_mm.height());
-  for (int row = 0; row < depth_mm.height(); ++row) {
-    const float* depths = depth_mm.row(row).data();
-    const float* facing = cosines.empty() ? nullptr : cosines.row(row).data();
-    float* result = amplitudes.row(row).data();
-    for (int column = 0; column < depth_mm.width(); ++column) {
-      if (depths[column] == 0.0f) continue;
-      const float distance = depths[column] * ray_length(column, row);
-      result[column] = gain * (facing == nullptr ? 1.0f : facing[column]) / (distance * distance);
-    }
+  Image<float> amplitudes = squared_ray_lengths(camera);
+  for (std::size_t i = 0; i < amplitudes.size(); ++i) {
+    const float depth = depth_mm.data()[i];
+    const float squared_distance = depth * depth * amplitudes.data()[i];
+    amplitudes.data()[i] = depth == 0.0f ? 0.0f : gain / squared_distance;
   }
+  for (std::size_t i = 0; i < cosines.size(); ++i) amplitudes.data()[i] *= cosines.data()[i];
   return amplitudes;
 }
 
@@ -35,9 +32,10 @@ void add_noise(Image<float>& amplitudes, const Image<float>& depth_mm, float sig
     const float* depths = depth_mm.data() + first;
     const std::size_t count = std::min(kPixelsABlock, amplitudes.size() - first);
     if (std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; })) continue;
-    const auto bits = block_bits(seed, PixelUse::infrared, static_cast<std::uint32_t>(first / kPixelsABlock));
+    const auto normals =
+        block_normals(seed, PixelUse::infrared, static_cast<std::uint32_t>(first / kPixelsABlock));
     for (std::size_t i = 0; i < count; ++i) {
-      if (depths[i] != 0.0f) amplitudes.data()[first + i] += sigma * normal_from_bits(bits[i]);
+      amplitudes.data()[first + i] += depths[i] == 0.0f ? 0.0f : sigma * normals[i];
     }
   }
 }
@@ -57,9 +55,10 @@ Image<std::uint16_t> infrared_image(const Image<float>& depth_mm, const Image<fl
     add_noise(amplitudes, depth_mm, static_cast<float>(options.infrared_sigma), seed);
   }
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
-  std::ranges::transform(amplitudes.pixels(), counts.pixels().begin(), [](float amplitude) {
-    return static_cast<std::uint16_t>(std::clamp(amplitude, 0.0f, 65535.0f) + 0.5f);
-  });
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const float amplitude = std::min(std::max(amplitudes.data()[i], 0.0f), kMostCounts);
+    counts.data()[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(amplitude + 0.5f));
+  }
   return counts;
 }
 

@@ -39,6 +39,11 @@ std::vector<float> normal_quantiles() {
   return table;
 }
 
+const std::vector<float>& normal_table() {
+  static const std::vector<float> quantiles = normal_quantiles();
+  return quantiles;
+}
+
 std::array<std::uint32_t, 2> key_of(std::uint64_t seed) {
   return {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)};
 }
@@ -55,13 +60,20 @@ std::array<std::uint16_t, kPixelsABlock> block_bits(std::uint64_t seed, PixelUse
   return bits;
 }
 
+std::array<float, kPixelsABlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block) {
+  const std::vector<float>& table = normal_table();
+  const auto bits = block_bits(seed, use, block);
+  std::array<float, kPixelsABlock> normals;
+  for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = table[bits[i]];
+  return normals;
+}
+
 std::array<std::uint32_t, 4> pixel_words(std::uint64_t seed, PixelUse use, std::uint32_t pixel) {
   return philox({pixel, kPixels, static_cast<std::uint32_t>(use), 0}, key_of(seed));
 }
 
 float normal_from_bits(std::uint16_t bits) {
-  static const std::vector<float> quantiles = normal_quantiles();
-  return quantiles[bits];
+  return normal_table()[bits];
 }
 
 }  // namespace knuckle

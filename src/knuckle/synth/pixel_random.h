@@ -17,6 +17,9 @@ inline constexpr std::size_t kPixelsABlock = 8;
 /// a function of the frame's seed, the use and the place alone.
 std::array<std::uint16_t, kPixelsABlock> block_bits(std::uint64_t seed, PixelUse use, std::uint32_t block);
 
+/// The same as standard normal numbers.
+std::array<float, kPixelsABlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block);
+
 /// 128 random bits for one pixel, where a few pixels of an image need some.
 std::array<std::uint32_t, 4> pixel_words(std::uint64_t seed, PixelUse use, std::uint32_t pixel);
 

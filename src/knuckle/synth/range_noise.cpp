@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "knuckle/synth/pixel_random.h"
 
@@ -23,25 +22,32 @@ double growth_with_angle(double cosine) {
 }
 
 /// The same from a table over the cosine: an arc cosine a pixel would cost more than all the rest.
-float tabled_growth_with_angle(float cosine) {
-  constexpr int kSteps = 1024;
-  static const std::vector<float> table = [] {
-    std::vector<float> values(kSteps + 1);
+class AngleTable {
+ public:
+  AngleTable() {
     for (int i = 0; i <= kSteps; ++i) {
-      values[i] = static_cast<float>(growth_with_angle(static_cast<double>(i) / kSteps));
+      values_[i] = static_cast<float>(growth_with_angle(static_cast<double>(i) / kSteps));
     }
-    return values;
-  }();
-  return table[static_cast<int>(cosine * kSteps + 0.5f)];
+  }
+  float operator()(float cosine) const { return values_[static_cast<int>(cosine * kSteps + 0.5f)]; }
+
+ private:
+  static constexpr int kSteps = 1024;
+  std::array<float, kSteps + 1> values_;
+};
+
+const AngleTable& angle_table() {
+  static const AngleTable table;
+  return table;
 }
 
 /// Adds noise to the pixels of one block. `sigma_of(i)` is the deviation at its pixel number i.
 template <class Sigma>
 void add_noise(float* depths, std::size_t count, std::uint64_t seed, std::uint32_t block,
                const Sigma& sigma_of) {
-  const auto bits = block_bits(seed, PixelUse::range_noise, block);
+  const auto normals = block_normals(seed, PixelUse::range_noise, block);
   for (std::size_t i = 0; i < count; ++i) {
-    if (depths[i] != 0.0f) depths[i] += sigma_of(i) * normal_from_bits(bits[i]);
+    depths[i] += depths[i] == 0.0f ? 0.0f : sigma_of(i) * normals[i];
   }
 }
 
@@ -63,6 +69,7 @@ Image<float> with_range_noise(Image<float> depth_mm, const Image<float>& cosines
   const auto sigma = static_cast<float>(options.sigma_mm);
   const auto growth = static_cast<float>(options.growth_mm * kPerSquareMetre);
   const auto slant = cosines.empty() ? 0.0f : static_cast<float>(options.slant_mm);
+  const AngleTable& angle_growth = angle_table();
   if (sigma == 0.0f && growth == 0.0f && slant == 0.0f) return depth_mm;
   for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsABlock) {
     float* depths = depth_mm.data() + first;
@@ -75,7 +82,7 @@ Image<float> with_range_noise(Image<float> depth_mm, const Image<float>& cosines
     } else {
       const float* slants = cosines.data() + first;
       add_noise(depths, count, seed, block,
-                [&](std::size_t i) { return facing_sigma(i) + slant * tabled_growth_with_angle(slants[i]); });
+                [&](std::size_t i) { return facing_sigma(i) + slant * angle_growth(slants[i]); });
     }
   }
   return depth_mm;

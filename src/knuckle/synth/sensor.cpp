@@ -16,14 +16,12 @@ namespace {
 
 /// A plane at that depth, parallel to the image, hides what lies behind it and fills the rest.
 void add_wall(SeenSurfaces& surfaces, const Camera& camera, float wall_mm) {
-  const RayLengths ray_length(camera);
-  for (int row = 0; row < surfaces.depth_mm.height(); ++row) {
-    for (int column = 0; column < surfaces.depth_mm.width(); ++column) {
-      float& depth = surfaces.depth_mm(column, row);
-      if (depth != 0.0f && depth <= wall_mm) continue;
-      depth = wall_mm;
-      if (!surfaces.cosines.empty()) surfaces.cosines(column, row) = 1.0f / ray_length(column, row);
-    }
+  const Image<float> squares = squared_ray_lengths(camera);
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    float& depth = surfaces.depth_mm.data()[i];
+    if (depth != 0.0f && depth <= wall_mm) continue;
+    depth = wall_mm;
+    if (!surfaces.cosines.empty()) surfaces.cosines.data()[i] = 1.0f / std::sqrt(squares.data()[i]);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -11,19 +12,29 @@
 namespace knuckle {
 namespace {
 
-/// A face's plane n p = h with n of length 1.
-struct FacePlane {
-  float distance = 0.0f;  ///< |h|: of the plane from the camera [mm]
-  float facing = 0.0f;    ///< |n_z|
-};
-
-FacePlane plane_of(const TriangleMesh& mesh, std::int32_t face) {
+/// What a face adds to the cosine of its pixels: the distance of its plane from the camera (|h| of the plane
+/// n p = h with n of length 1), or for parallel rays |n_z|.
+float share_of_face(const TriangleMesh& mesh, std::int32_t face, CameraModel model) {
   const auto [a, b, c] = mesh.faces[face];
   const Eigen::Vector3f& corner = mesh.vertices[a];
   const Eigen::Vector3f normal = (mesh.vertices[b] - corner).cross(mesh.vertices[c] - corner);
   const float length = normal.norm();
-  if (!(length > 0.0f)) return {};
-  return {std::abs(normal.dot(corner)) / length, std::abs(normal.z()) / length};
+  if (!(length > 0.0f)) return 0.0f;
+  return std::abs(model == CameraModel::orthographic ? normal.z() : normal.dot(corner)) / length;
+}
+
+/// The same at each pixel; 0 where nothing is seen. A face is computed once, when it is first met.
+Image<float> shares_of_faces(const Rendering& rendering, const TriangleMesh& mesh, CameraModel model) {
+  constexpr float kNotMet = -1.0f;
+  std::vector<float> share_of(mesh.faces.size(), kNotMet);
+  Image<float> shares(rendering.face.width(), rendering.face.height());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const std::int32_t face = rendering.face.data()[i];
+    if (face == Rendering::kNoFace) continue;
+    if (share_of[face] == kNotMet) share_of[face] = share_of_face(mesh, face, model);
+    shares.data()[i] = share_of[face];
+  }
+  return shares;
 }
 
 float square_of_ray(int pixel, double centre, double focal_length) {
@@ -33,46 +44,38 @@ float square_of_ray(int pixel, double centre, double focal_length) {
 
 }  // namespace
 
-RayLengths::RayLengths(const Camera& camera) : is_distorted_(camera.is_distorted()) {
-  if (is_distorted_) {
+Image<float> squared_ray_lengths(const Camera& camera) {
+  Image<float> squares(camera.width, camera.height, 1.0f);
+  if (camera.model == CameraModel::orthographic) return squares;
+  if (camera.is_distorted()) {
     const RayTable rays(camera);
-    lengths_ = Image<float>(camera.width, camera.height);
-    for (std::size_t i = 0; i < lengths_.size(); ++i) {
+    for (std::size_t i = 0; i < squares.size(); ++i) {
       const float x = rays.rays_x().data()[i];
       const float y = rays.rays_y().data()[i];
-      lengths_.data()[i] = std::sqrt(1.0f + x * x + y * y);
+      squares.data()[i] = 1.0f + x * x + y * y;
     }
-    return;
+    return squares;
   }
-  x2_.resize(camera.width, 0.0f);
-  y2_.resize(camera.height, 0.0f);
-  if (camera.model == CameraModel::orthographic) return;
-  for (int i = 0; i < camera.width; ++i) x2_[i] = square_of_ray(i, camera.cx, camera.fx);
-  for (int i = 0; i < camera.height; ++i) y2_[i] = square_of_ray(i, camera.cy, camera.fy);
-}
-
-float RayLengths::operator()(int column, int row) const {
-  return is_distorted_ ? lengths_(column, row) : std::sqrt(1.0f + x2_[column] + y2_[row]);
+  std::vector<float> x2(camera.width);
+  for (int column = 0; column < camera.width; ++column) {
+    x2[column] = square_of_ray(column, camera.cx, camera.fx);
+  }
+  for (int row = 0; row < camera.height; ++row) {
+    const float y2 = 1.0f + square_of_ray(row, camera.cy, camera.fy);
+    float* result = squares.row(row).data();
+    for (int column = 0; column < camera.width; ++column) result[column] = y2 + x2[column];
+  }
+  return squares;
 }
 
 Image<float> surface_cosines(const Rendering& rendering, const TriangleMesh& mesh, const Camera& camera) {
-  Image<float> cosines(camera.width, camera.height);
+  Image<float> cosines = shares_of_faces(rendering, mesh, camera.model);
+  const Image<float> squares = squared_ray_lengths(camera);
   const bool is_orthographic = camera.model == CameraModel::orthographic;
-  const RayLengths ray_length(camera);
-  std::int32_t last_face = Rendering::kNoFace;
-  FacePlane plane;
-  for (int row = 0; row < camera.height; ++row) {
-    const std::int32_t* faces = rendering.face.row(row).data();
-    const float* depths = rendering.depth_mm.row(row).data();
-    float* result = cosines.row(row).data();
-    for (int column = 0; column < camera.width; ++column) {
-      if (faces[column] == Rendering::kNoFace) continue;
-      if (faces[column] != last_face) plane = plane_of(mesh, faces[column]);
-      last_face = faces[column];
-      const float cosine =
-          is_orthographic ? plane.facing : plane.distance / (depths[column] * ray_length(column, row));
-      result[column] = std::min(cosine, 1.0f);
-    }
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float depth = rendering.depth_mm.data()[i];
+    const float length = is_orthographic || depth == 0.0f ? 1.0f : depth * std::sqrt(squares.data()[i]);
+    cosines.data()[i] = std::min(cosines.data()[i] / length, 1.0f);
   }
   return cosines;
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
 #include "knuckle/core/camera.h"
 #include "knuckle/core/image.h"
 #include "knuckle/synth/rasteriser.h"
@@ -14,18 +12,8 @@ namespace knuckle {
 /// (n of length 1) at p = z r, where r is the pixel's ray with depth 1, so the cosine is h / (z |r|).
 Image<float> surface_cosines(const Rendering& rendering, const TriangleMesh& mesh, const Camera& camera);
 
-/// Length of each pixel's ray, from the camera to depth 1, at least 1: row by row. 1 for all pixels of an
+/// Squared length of each pixel's ray, from the camera to depth 1: at least 1, and 1 everywhere for an
 /// orthographic camera.
-class RayLengths {
- public:
-  explicit RayLengths(const Camera& camera);
-  float operator()(int column, int row) const;
-
- private:
-  bool is_distorted_;
-  Image<float> lengths_;   ///< of a distorted camera
-  std::vector<float> x2_;  ///< squares of the rays' x for each column, and of y for each row, otherwise
-  std::vector<float> y2_;
-};
+Image<float> squared_ray_lengths(const Camera& camera);
 
 }  // namespace knuckle
