@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/manifest.h"
 
+#include <algorithm>
+#include <set>
+
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
@@ -120,9 +123,47 @@ TEST_F(ManifestTest, WhereMakeHumanIsMissingTheErrorSaysWhatFetchesIt) {
   EXPECT_THAT(message, HasSubstr(nowhere));
 }
 
+constexpr const char* kTestManifests[] = {"manifests/test_creative.toml", "manifests/test_pico.toml",
+                                          "manifests/test_kinect_v2.toml"};
+
 TEST(ShippedManifests, AreRead) {
-  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml"}) {
+  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml"}) {
     EXPECT_NO_THROW(load_manifest(resource_path(name))) << name;
+  }
+}
+
+TEST(ShippedManifests, TrainingIsAsLargeAsThePapers) {
+  EXPECT_GE(load_manifest(resource_path("manifests/train.toml")).frames, 400000);
+}
+
+TEST(ShippedManifests, TestsShowOnePersonMovingSmoothly) {
+  for (const char* name : kTestManifests) {
+    const Manifest manifest = load_manifest(resource_path(name));
+    EXPECT_EQ(manifest.frames, 400) << name;
+    EXPECT_EQ(manifest.body.people, 1) << name;
+    EXPECT_TRUE(manifest.motion.is_smooth()) << name;
+  }
+}
+
+TEST(ShippedManifests, TrainingNeverDrawsAGestureOfTheTests) {
+  const Manifest training = load_manifest(resource_path("manifests/train.toml"));
+  const auto trained = allowed_gestures(training.pose);
+  for (const char* name : kTestManifests) {
+    const HandPoseOptions pose = load_manifest(resource_path(name)).pose;
+    const auto tested = allowed_gestures(pose);
+    EXPECT_GE(tested.size(), 5u) << name;
+    for (const std::string_view gesture : tested) {
+      EXPECT_EQ(std::ranges::find(trained, gesture), trained.end()) << name << ": " << gesture;
+    }
+    // The other kinds of hand are not made of named gestures of this list alone.
+    EXPECT_EQ(pose.closing_share + pose.grasp_share + pose.uniform_share, 0.0) << name;
+  }
+}
+
+TEST(ShippedManifests, PeopleOfTestsAreOthersThanThoseOfTraining) {
+  std::set<std::uint64_t> seeds = {load_manifest(resource_path("manifests/train.toml")).seed};
+  for (const char* name : kTestManifests) {
+    EXPECT_TRUE(seeds.insert(load_manifest(resource_path(name)).seed).second) << name;
   }
 }
 
