@@ -9,7 +9,9 @@
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/motion.h"
 #include "knuckle/synth/rasteriser.h"
-#include "knuckle/synth/sensor_noise.h"
+#include "knuckle/synth/sensor.h"
+#include "knuckle/synth/sensor_presets.h"
+#include "knuckle/synth/surface_angle.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {
@@ -38,8 +40,14 @@ struct Scene {
                             3, i);
   }
   Rendering rendering(std::int64_t i) const {
-    return render({posed[i].vertices, body->faces}, manifest.camera.camera,
-                  {.culling = FaceCulling::back_faces});
+    return render(mesh(i), manifest.camera.camera, {.culling = FaceCulling::back_faces});
+  }
+  TriangleMesh mesh(std::int64_t i) const { return {posed[i].vertices, body->faces}; }
+  SensorImages sensor_images(const SensorOptions& options, std::int64_t i) const {
+    const Camera& camera = manifest.camera.camera;
+    SeenSurfaces surfaces{renderings[i].depth_mm, {}};
+    if (options.needs_angles()) surfaces.cosines = surface_cosines(renderings[i], mesh(i), camera);
+    return measured(std::move(surfaces), camera, options, static_cast<std::uint64_t>(i));
   }
 
   Manifest manifest;
@@ -73,14 +81,20 @@ void run(benchmark::State& state, const Work& work) {
   state.SetItemsProcessed(state.iterations());
 }
 
-void whole_frame(benchmark::State& state) {
+/// Whole frames of the scene's manifest with this sensor.
+void whole_frame(benchmark::State& state, const SensorOptions& options) {
   const Scene* scene = scene_or_skip(state);
   if (scene == nullptr) return;
-  const auto source = create_synthetic(scene->manifest, scene->body);
+  Manifest manifest = scene->manifest;
+  manifest.sensor = options;
+  const auto source = create_synthetic(manifest, scene->body);
   for (std::int64_t i = 0; i < kFrames; ++i) source->read(i);  // makes the people
   run(state, [&](const Scene&, std::int64_t i) { return source->read(i); });
 }
-BENCHMARK(whole_frame)->Name("render/320x240")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(whole_frame, paper, SensorOptions{})->Name("render/320x240")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(whole_frame, creative, sensor_preset("creative").sensor)
+    ->Name("render/full_sensor/320x240")
+    ->Unit(benchmark::kMicrosecond);
 
 void sampling(benchmark::State& state) {
   run(state, [](const Scene& scene, std::int64_t i) { return scene.posture(i); });
@@ -97,12 +111,26 @@ void rasterising(benchmark::State& state) {
 }
 BENCHMARK(rasterising)->Name("render/rasteriser/320x240")->Unit(benchmark::kMicrosecond);
 
-void noise(benchmark::State& state) {
+/// A sensor that looks at the rendered frames, with the angles it needs.
+void sensor(benchmark::State& state, const SensorOptions& options) {
+  run(state, [&](const Scene& scene, std::int64_t i) { return scene.sensor_images(options, i); });
+}
+BENCHMARK_CAPTURE(sensor, paper, sensor_preset("paper").sensor)
+    ->Name("render/sensor/paper/320x240")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(sensor, creative, sensor_preset("creative").sensor)
+    ->Name("render/sensor/creative/320x240")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(sensor, kinect_v1, sensor_preset("kinect_v1").sensor)
+    ->Name("render/sensor/kinect_v1/320x240")
+    ->Unit(benchmark::kMicrosecond);
+
+void angles(benchmark::State& state) {
   run(state, [](const Scene& scene, std::int64_t i) {
-    return measured(scene.renderings[i].depth_mm, SensorOptions{}, static_cast<std::uint64_t>(i));
+    return surface_cosines(scene.renderings[i], scene.mesh(i), scene.manifest.camera.camera);
   });
 }
-BENCHMARK(noise)->Name("render/sensor/320x240")->Unit(benchmark::kMicrosecond);
+BENCHMARK(angles)->Name("render/sensor/angles/320x240")->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace knuckle

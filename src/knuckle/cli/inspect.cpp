@@ -4,16 +4,26 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/image_io.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/resources.h"
 #include "knuckle/eval/drawing.h"
+#include "knuckle/eval/hand_statistics.h"
+#include "knuckle/eval/panels.h"
+#include "knuckle/pipeline/hand_finder.h"
 #include "knuckle/pipeline/open_source.h"
 
 namespace knuckle::cli {
 namespace {
 
+constexpr int kPanelHeight = 240;  ///< [px]
+
 struct InspectArguments {
   std::string source;
   std::int64_t frame = 0;
   std::filesystem::path png;
+  std::filesystem::path panels;
+  bool statistics = false;
+  std::filesystem::path pipeline = resource_path("pipelines/default.toml");
 };
 
 /// Depth statistics of one frame.
@@ -53,6 +63,35 @@ void print_frame(const Frame& frame, std::int64_t index) {
   fmt::print("truth        {} of {} joints known\n", known, frame.truth->joints.size());
 }
 
+/// The statistics of the hand in each frame; nothing where none is found.
+std::vector<std::optional<HandStatistics>> statistics_of(const FrameSource& source,
+                                                         const HandFinder& finder) {
+  std::vector<std::optional<HandStatistics>> frames(static_cast<std::size_t>(source.size()));
+  parallel_for(source.size(), [&](std::int64_t i) {
+    const Frame frame = source.read(i);
+    const Segmentation segmentation = finder.find(frame, std::nullopt);
+    if (segmentation.hands.empty()) return;
+    const HandRegion& hand = segmentation.hands.front();
+    frames[i] = hand_statistics(frame.depth_mm, hand.box, hand.mask);
+  });
+  return frames;
+}
+
+void print_statistics(const FrameSource& source, const HandFinder& finder) {
+  std::vector<HandStatistics> found;
+  for (const auto& frame : statistics_of(source, finder)) {
+    if (frame) found.push_back(*frame);
+  }
+  const HandStatistics mean = mean_of(found);
+  fmt::print("hands        found in {} of {} frames; means over those:\n", found.size(), source.size());
+  fmt::print("  depth         {:8.1f} mm\n", mean.depth_mm);
+  fmt::print("  depth spread  {:8.1f} mm\n", mean.depth_spread_mm);
+  fmt::print("  valid in box  {:8.1f} %\n", 100.0 * mean.valid_share);
+  fmt::print("  surface noise {:8.2f} mm\n", mean.surface_noise_mm);
+  fmt::print("  edge noise    {:8.2f} px\n", mean.edge_noise_px);
+  fmt::print("  flying pixels {:8.1f} % of those at depth edges\n", 100.0 * mean.flying_share);
+}
+
 void run_inspect(const InspectArguments& arguments) {
   const auto source = open_source(arguments.source);
   if (arguments.frame >= source->size()) {
@@ -67,6 +106,8 @@ void run_inspect(const InspectArguments& arguments) {
   print_camera(frame.camera);
   print_frame(frame, arguments.frame);
   if (!arguments.png.empty()) write_png(arguments.png, picture_of(frame));
+  if (!arguments.panels.empty()) write_png(arguments.panels, panels_of(frame, kPanelHeight));
+  if (arguments.statistics) print_statistics(*source, HandFinder::load(arguments.pipeline));
 }
 
 }  // namespace
@@ -81,6 +122,13 @@ void add_inspect(CLI::App& program) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb.add_option("--png", arguments->png, "File for a picture of that frame, with the true skeleton");
+  verb.add_option("--panels", arguments->panels,
+                  "File for a picture of the hand in that frame's depth, mask and infrared, side by side");
+  verb.add_flag(
+      "--statistics", arguments->statistics,
+      "Measure noise, holes and depth spread of the hand, as segmentation finds it, over all frames");
+  verb.add_option("--pipeline", arguments->pipeline, "Pipeline file whose segmentation finds the hand")
+      ->capture_default_str();
   verb.callback([arguments] { run_inspect(*arguments); });
 }
 

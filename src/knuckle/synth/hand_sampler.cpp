@@ -20,14 +20,47 @@ constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside"
                                                      "small_cylinder", "thumb_up"};
 constexpr std::array<std::string_view, 5> kOpen = {"open", "spread", "flat", "relaxed", "flat_thumb_in"};
 
-const HandAngles& any_gesture(Random& random) {
-  const auto all = gestures();
-  return all[random.below(static_cast<std::uint32_t>(all.size()))].angles;
+bool is_allowed(const HandPoseOptions& options, std::string_view name) {
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  return (options.gestures.empty() || holds(options.gestures)) && !holds(options.without_gestures);
 }
 
-HandAngles between_gestures(Random& random) {
-  const HandAngles& from = any_gesture(random);
-  const HandAngles& to = any_gesture(random);
+/// Those of some gestures that may be drawn.
+template <class Names>
+std::vector<std::string_view> allowed_of(const Names& names, const HandPoseOptions& options) {
+  std::vector<std::string_view> allowed;
+  for (const std::string_view name : names) {
+    if (is_allowed(options, name)) allowed.push_back(name);
+  }
+  return allowed;
+}
+
+const std::vector<std::string_view>& gesture_names() {
+  static const std::vector<std::string_view> all_names = [] {
+    std::vector<std::string_view> names;
+    for (const Gesture& gesture : gestures()) names.push_back(gesture.name);
+    return names;
+  }();
+  return all_names;
+}
+
+const HandAngles& any_of(const std::vector<std::string_view>& names, Random& random) {
+  return gesture_from_name(names[random.below(static_cast<std::uint32_t>(names.size()))]).angles;
+}
+
+const HandAngles& any_gesture(const HandPoseOptions& options, Random& random) {
+  std::vector<const Gesture*> allowed;
+  for (const Gesture& gesture : gestures()) {
+    if (is_allowed(options, gesture.name)) allowed.push_back(&gesture);
+  }
+  return allowed[random.below(static_cast<std::uint32_t>(allowed.size()))]->angles;
+}
+
+HandAngles between_gestures(const HandPoseOptions& options, Random& random) {
+  const HandAngles& from = any_gesture(options, random);
+  const HandAngles& to = any_gesture(options, random);
   return interpolated(from, to, random.uniform());
 }
 
@@ -43,17 +76,17 @@ HandAngles with_digits(const std::array<HandAngles, 6>& digits) {
   return result;
 }
 
-HandAngles mixed_digits(Random& random) {
+HandAngles mixed_digits(const HandPoseOptions& options, Random& random) {
   std::array<HandAngles, 6> digits;
-  for (HandAngles& digit : digits) digit = between_gestures(random);
+  for (HandAngles& digit : digits) digit = between_gestures(options, random);
   return with_digits(digits);
 }
 
 /// On the way from a closed to an open hand; each digit runs a little ahead or behind.
-HandAngles closing_hand(Random& random) {
+HandAngles closing_hand(const HandPoseOptions& options, Random& random) {
   constexpr double kLag = 0.12;
-  const HandAngles& closed_hand = gesture_from_name(kClosed[random.below(kClosed.size())]).angles;
-  const HandAngles& open_hand = gesture_from_name(kOpen[random.below(kOpen.size())]).angles;
+  const HandAngles& closed_hand = any_of(allowed_of(kClosed, options), random);
+  const HandAngles& open_hand = any_of(allowed_of(kOpen, options), random);
   const double t = random.uniform();
   std::array<HandAngles, 6> digits;
   for (HandAngles& digit : digits) {
@@ -130,13 +163,13 @@ HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
   while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
   switch (kind) {
     case 0:
-      return any_gesture(random);
+      return any_gesture(options, random);
     case 1:
-      return between_gestures(random);
+      return between_gestures(options, random);
     case 2:
-      return mixed_digits(random);
+      return mixed_digits(options, random);
     case 3:
-      return closing_hand(random);
+      return closing_hand(options, random);
     case 4:
       return grasping_hand(random);
     default:
@@ -155,6 +188,12 @@ void HandPoseOptions::visit(OptionVisitor& visitor) {
   visitor.real("uniform_share", uniform_share, at_least(0));
   visitor.real("jitter_deg", jitter_deg, closed(0, 45));
   visitor.real("penetration_mm", penetration_mm, at_least(0));
+  visitor.texts("gestures", gestures, gesture_names());
+  visitor.texts("without_gestures", without_gestures, gesture_names());
+}
+
+std::vector<std::string_view> allowed_gestures(const HandPoseOptions& options) {
+  return allowed_of(gesture_names(), options);
 }
 
 void check(const HandPoseOptions& options, std::string_view what) {
@@ -166,6 +205,15 @@ void check(const HandPoseOptions& options, std::string_view what) {
         "0; "
         "expected one above 0",
         what);
+  }
+  const bool needs_gestures = options.gesture_share + options.pair_share + options.mixed_share > 0.0;
+  if (needs_gestures && allowed_gestures(options).empty()) {
+    fail("{}: gestures and without_gestures leave none to draw from", what);
+  }
+  if (options.closing_share > 0.0 &&
+      (allowed_of(kClosed, options).empty() || allowed_of(kOpen, options).empty())) {
+    fail("{}: closing_share is {}, but gestures and without_gestures leave no closed or no open hand", what,
+         options.closing_share);
   }
 }
 

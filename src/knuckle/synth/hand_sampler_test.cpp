@@ -49,6 +49,36 @@ TEST(HandSampler, AKindWithoutAShareIsNotDrawn) {
   }
 }
 
+TEST(HandSampler, DrawsOnlyTheGesturesThatAreLeft) {
+  HandPoseOptions options{.pair_share = 0,
+                          .mixed_share = 0,
+                          .closing_share = 0,
+                          .grasp_share = 0,
+                          .uniform_share = 0,
+                          .jitter_deg = 0};
+  options.gestures = {"rock", "ok", "four"};
+  options.without_gestures = {"ok"};
+  EXPECT_EQ(allowed_gestures(options), (std::vector<std::string_view>{"four", "rock"}));
+  Random random(6);
+  for (int i = 0; i < 100; ++i) {
+    const HandAngles hand = sampled_hand(options, random);
+    EXPECT_TRUE(hand == within_limits(gesture_from_name("rock").angles) ||
+                hand == within_limits(gesture_from_name("four").angles));
+  }
+}
+
+TEST(HandSampler, RefusesGesturesThatLeaveNone) {
+  HandPoseOptions options;
+  options.gestures = {"rock"};
+  EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("closing_share"));
+  options.closing_share = 0;
+  EXPECT_NO_THROW(check(options, "here"));
+  options.without_gestures = {"rock"};
+  EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("without_gestures"));
+  options.gestures = {"wave"};
+  EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("wave"));
+}
+
 TEST(HandSampler, RefusesNoKindAtAll) {
   const HandPoseOptions none{.gesture_share = 0,
                              .pair_share = 0,

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "knuckle/synth/sensor_presets.h"
+
 namespace knuckle {
 namespace {
 
@@ -17,6 +19,20 @@ void read_table(const OptionTable& manifest, std::string_view name, Options&... 
   const OptionTable table = manifest.table(name);
   (table.read(options), ...);
   table.finish();
+}
+
+/// Camera and sensor of the preset that `[sensor]` names.
+void apply_preset(const OptionTable& manifest_table, Manifest& manifest) {
+  const auto names = sensor_preset_names();
+  const SensorPreset preset =
+      sensor_preset(manifest_table.table("sensor").choice_or("preset", names.front(), names));
+  manifest.camera.camera = preset.camera;
+  manifest.sensor = preset.sensor;
+}
+
+void check_sensor(const OptionTable& manifest_table, const Manifest& manifest) {
+  const auto fault = fault_of(manifest.sensor, manifest.camera.camera);
+  if (fault) manifest_table.table("sensor").fail_at(fault->key, fault->message);
 }
 
 }  // namespace
@@ -56,6 +72,7 @@ Manifest load_manifest(const std::filesystem::path& path) {
   Manifest manifest;
   manifest.path = path;
   table.read(manifest);
+  apply_preset(table, manifest);
   read_table(table, "body", manifest.body);
   read_table(table, "camera", manifest.camera);
   read_table(table, "pose", manifest.pose, manifest.motion);
@@ -64,6 +81,7 @@ Manifest load_manifest(const std::filesystem::path& path) {
   table.finish();
   check(manifest.pose, path.string() + ": [pose]");
   check(manifest.placement, path.string() + ": [placement]");
+  check_sensor(table, manifest);
   try {
     check(manifest.camera.camera);
   } catch (const Error& error) {

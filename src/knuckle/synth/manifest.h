@@ -9,7 +9,7 @@
 #include "knuckle/synth/hand_sampler.h"
 #include "knuckle/synth/motion.h"
 #include "knuckle/synth/placement.h"
-#include "knuckle/synth/sensor_noise.h"
+#include "knuckle/synth/sensor.h"
 
 namespace knuckle {
 
@@ -23,7 +23,7 @@ struct PeopleOptions {
 
 /// Through which camera.
 struct ManifestCamera {
-  Camera camera;              ///< default: 320 x 240, f = 224 px, centred
+  Camera camera;  ///< default: that of the sensor's preset; of none: 320 x 240, f = 224 px, centred
   double focal_spread = 0.0;  ///< focal lengths differ from frame to frame by up to this part, [0, 0.5]
 
   ManifestCamera();
@@ -45,8 +45,9 @@ struct Manifest {
   void visit(OptionVisitor& visitor);  ///< the keys outside tables: seed, frames
 };
 
-/// Reads a manifest (TOML; manifests/demo.toml documents all keys). Throws an Error that names file, line and
-/// key where a key is unknown, of the wrong type, or out of range.
+/// Reads a manifest (TOML; manifests/demo.toml documents all keys). `preset` in `[sensor]` sets camera and
+/// sensor (sensor_presets.h); the keys of `[camera]` and `[sensor]` then change single values of it. Throws
+/// an Error that names file, line and key where a key is unknown, of the wrong type, or out of range.
 Manifest load_manifest(const std::filesystem::path& path);
 
 }  // namespace knuckle

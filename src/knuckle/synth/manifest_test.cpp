@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/manifest.h"
 
+#include <algorithm>
+#include <set>
+
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
@@ -28,7 +31,7 @@ TEST_F(ManifestTest, AnEmptyOneIsTheDefaults) {
   EXPECT_EQ(manifest.frames, 1000);
   EXPECT_EQ(manifest.camera.camera.width, 320);
   EXPECT_EQ(manifest.camera.camera.fx, 224.0);
-  EXPECT_EQ(manifest.sensor.sigma_mm, 3.0);
+  EXPECT_EQ(manifest.sensor.noise.sigma_mm, 3.0);
 }
 
 TEST_F(ManifestTest, EveryTableIsRead) {
@@ -44,7 +47,22 @@ TEST_F(ManifestTest, EveryTableIsRead) {
   EXPECT_EQ(manifest.pose.pair_share, 2.0);
   EXPECT_TRUE(manifest.motion.is_smooth());
   EXPECT_EQ(manifest.placement.nearest_mm, 300.0);
-  EXPECT_EQ(manifest.sensor.sigma_mm, 1.5);
+  EXPECT_EQ(manifest.sensor.noise.sigma_mm, 1.5);
+}
+
+TEST_F(ManifestTest, APresetSetsCameraAndSensorAndKeysChangeSingleValues) {
+  const Manifest preset = load_manifest(written("[sensor]\npreset = 'kinect_v2'\n"));
+  EXPECT_EQ(preset.camera.camera.width, 512);
+  EXPECT_EQ(preset.camera.camera.height, 424);
+  EXPECT_EQ(preset.sensor.drop_outs.range_mm, 4500.0);
+  EXPECT_GT(preset.sensor.infrared.infrared, 0.0);
+  const Manifest changed = load_manifest(written(
+      "[camera]\nfx = 366.0\nfocal_spread = 0.1\n[sensor]\npreset = 'kinect_v2'\nrange_mm = 2000.0\n"));
+  EXPECT_EQ(changed.camera.camera.fx, 366.0);
+  EXPECT_EQ(changed.camera.camera.fy, preset.camera.camera.fy);
+  EXPECT_EQ(changed.camera.focal_spread, 0.1);
+  EXPECT_EQ(changed.sensor.drop_outs.range_mm, 2000.0);
+  EXPECT_EQ(changed.sensor.noise.sigma_mm, preset.sensor.noise.sigma_mm);
 }
 
 TEST_F(ManifestTest, ErrorsNameFileAndFault) {
@@ -64,7 +82,16 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
        "= 0.0",
        "gesture_share"},
       {"[placement]\nnearest_mm = 800.0\nfarthest_mm = 400.0", "nearest_mm"},
-      {"[sensor]\nsigma_mm = nan", "sigma_mm"},
+      {"[sensor]\nsigma_mm = nan", "m.toml:2: sensor.sigma_mm"},
+      {"[sensor]\npreset = 'kinect_v3'", "m.toml:2: sensor.preset"},
+      {"[sensor]\npreset = 'kinect_v3'", "kinect_v2"},
+      {"[sensor]\nflying = 1.0", "m.toml:2: sensor.flying: unknown key"},
+      {"[sensor]\nflying_px = -1.0", "m.toml:2: sensor.flying_px"},
+      {"[sensor]\nhole_share = 2.0", "m.toml:2: sensor.hole_share"},
+      {"[sensor]\nnear_mm = 900.0\nrange_mm = 400.0", "m.toml:2: sensor.near_mm: is 900"},
+      {"[sensor]\npreset = 'creative'\nnear_mm = 1200.0", "m.toml:3: sensor.near_mm: is 1200"},
+      {"[sensor]\ndisparity_px = 0.5", "m.toml:2: sensor.disparity_px"},
+      {"[camera]\nmodel = 'orthographic'\n[sensor]\npreset = 'sr300'", "baseline_mm"},
       {"[body]\npeople = 0", "people"},
       {"seed = = 3", "m.toml"}};
   for (const auto& [text, fault] : faults) {
@@ -96,9 +123,47 @@ TEST_F(ManifestTest, WhereMakeHumanIsMissingTheErrorSaysWhatFetchesIt) {
   EXPECT_THAT(message, HasSubstr(nowhere));
 }
 
+constexpr const char* kTestManifests[] = {"manifests/test_creative.toml", "manifests/test_pico.toml",
+                                          "manifests/test_kinect_v2.toml"};
+
 TEST(ShippedManifests, AreRead) {
-  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml"}) {
+  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml"}) {
     EXPECT_NO_THROW(load_manifest(resource_path(name))) << name;
+  }
+}
+
+TEST(ShippedManifests, TrainingIsAsLargeAsThePapers) {
+  EXPECT_GE(load_manifest(resource_path("manifests/train.toml")).frames, 400000);
+}
+
+TEST(ShippedManifests, TestsShowOnePersonMovingSmoothly) {
+  for (const char* name : kTestManifests) {
+    const Manifest manifest = load_manifest(resource_path(name));
+    EXPECT_EQ(manifest.frames, 400) << name;
+    EXPECT_EQ(manifest.body.people, 1) << name;
+    EXPECT_TRUE(manifest.motion.is_smooth()) << name;
+  }
+}
+
+TEST(ShippedManifests, TrainingNeverDrawsAGestureOfTheTests) {
+  const Manifest training = load_manifest(resource_path("manifests/train.toml"));
+  const auto trained = allowed_gestures(training.pose);
+  for (const char* name : kTestManifests) {
+    const HandPoseOptions pose = load_manifest(resource_path(name)).pose;
+    const auto tested = allowed_gestures(pose);
+    EXPECT_GE(tested.size(), 5u) << name;
+    for (const std::string_view gesture : tested) {
+      EXPECT_EQ(std::ranges::find(trained, gesture), trained.end()) << name << ": " << gesture;
+    }
+    // The other kinds of hand are not made of named gestures of this list alone.
+    EXPECT_EQ(pose.closing_share + pose.grasp_share + pose.uniform_share, 0.0) << name;
+  }
+}
+
+TEST(ShippedManifests, PeopleOfTestsAreOthersThanThoseOfTraining) {
+  std::set<std::uint64_t> seeds = {load_manifest(resource_path("manifests/train.toml")).seed};
+  for (const char* name : kTestManifests) {
+    EXPECT_TRUE(seeds.insert(load_manifest(resource_path(name)).seed).second) << name;
   }
 }
 

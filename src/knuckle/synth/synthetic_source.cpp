@@ -15,6 +15,7 @@
 #include "knuckle/synth/makehuman_import.h"
 #include "knuckle/synth/people.h"
 #include "knuckle/synth/rasteriser.h"
+#include "knuckle/synth/surface_angle.h"
 
 namespace knuckle {
 namespace {
@@ -98,17 +99,27 @@ class SyntheticSource final : public FrameSource {
     const PlacedPosture placed =
         posture_of_frame(rig, frame.camera, postures_, derived_seed(manifest_.seed, kPostures), index);
     const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
-    const Rendering rendering =
-        render({posed.vertices, body_->faces}, frame.camera, {.culling = FaceCulling::back_faces});
+    const TriangleMesh mesh{posed.vertices, body_->faces};
+    const Rendering rendering = render(mesh, frame.camera, {.culling = FaceCulling::back_faces});
     frame.mask = mask_of(rendering, body_->is_hand);
     frame.truth = image_pose(posed.landmarks, frame.camera);
-    const auto number = static_cast<std::uint64_t>(index);
-    frame.depth_mm = measured(rendering.depth_mm, manifest_.sensor,
-                              derived_seed(derived_seed(manifest_.seed, kSensor), number));
+    look_with_sensor(rendering, mesh, index, frame);
     return frame;
   }
 
  private:
+  /// Sets what the sensor gives: depth and infrared. The mask stays that of the exact picture.
+  void look_with_sensor(const Rendering& rendering, const TriangleMesh& mesh, std::int64_t index,
+                        Frame& frame) const {
+    SeenSurfaces surfaces{rendering.depth_mm, {}};
+    if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, frame.camera);
+    const std::uint64_t seed =
+        derived_seed(derived_seed(manifest_.seed, kSensor), static_cast<std::uint64_t>(index));
+    SensorImages images = measured(std::move(surfaces), frame.camera, manifest_.sensor, seed);
+    frame.depth_mm = std::move(images.depth_mm);
+    frame.infrared = std::move(images.infrared);
+  }
+
   /// Smooth motion is one person's.
   std::size_t person_of_frame(std::int64_t index) const {
     const std::uint64_t stream = manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);

@@ -6,6 +6,7 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/synth/sensor_presets.h"
 #include "knuckle/synth/testing_body.h"
 
 namespace knuckle {
@@ -31,6 +32,7 @@ void expect_equal(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.camera, b.camera);
   EXPECT_EQ(a.depth_mm, b.depth_mm);
+  EXPECT_EQ(a.infrared, b.infrared);
   EXPECT_EQ(a.mask, b.mask);
   for (int k = 0; k < kSupersetSize; ++k) {
     EXPECT_EQ(a.truth->joints[k].u, b.truth->joints[k].u);
@@ -72,11 +74,29 @@ TEST_P(SyntheticSourceTest, OneAndTwoThreadsGiveTheSameBits) {
   for (int i = 0; i < wanted.frames; ++i) expect_equal(one[i], two[i]);
 }
 
+TEST_P(SyntheticSourceTest, SoDoesEverySensor) {
+  for (const std::string_view name : sensor_preset_names()) {
+    Manifest wanted = manifest();
+    wanted.frames = 4;
+    wanted.sensor = sensor_preset(name).sensor;
+    set_thread_count(1);
+    const auto one = box_hand_source(wanted);
+    std::vector<Frame> frames;
+    for (int i = 0; i < wanted.frames; ++i) frames.push_back(one->read(i));
+    set_thread_count(2);
+    const auto two = box_hand_source(wanted);
+    parallel_for(wanted.frames, [&](std::int64_t i) { expect_equal(two->read(3 - i), frames[3 - i]); });
+    set_thread_count(0);
+    EXPECT_EQ(frames[0].infrared.empty(), name == "paper") << name;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Motions, SyntheticSourceTest, ::testing::Values("none", "smooth"));
 
 TEST(SyntheticSource, TruthAndMaskFitThePicture) {
   Manifest manifest = small_manifest();
-  manifest.sensor = {.sigma_mm = 0, .quantisation_mm = 0};
+  manifest.sensor.noise.sigma_mm = 0;
+  manifest.sensor.quantisation_mm = 0;
   manifest.placement.border_share = 0;
   const auto source = box_hand_source(manifest);
   EXPECT_EQ(source->size(), 24);
