@@ -66,6 +66,8 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[placement]\nnearest_mm = 800.0\nfarthest_mm = 400.0", "nearest_mm"},
       {"[sensor]\nsigma_mm = nan", "sigma_mm"},
       {"[body]\npeople = 0", "people"},
+      {"[body]\nbone_spread = 0.5", "bone_spread"},
+      {"[body]\nside = 'top'", "both"},
       {"seed = = 3", "m.toml"}};
   for (const auto& [text, fault] : faults) {
     const std::string message = error_of_manifest(text);

@@ -24,6 +24,7 @@ constexpr std::uint64_t kPeople = 1;
 constexpr std::uint64_t kCameras = 2;
 constexpr std::uint64_t kPostures = 3;
 constexpr std::uint64_t kSensor = 4;
+constexpr std::uint64_t kSides = 5;
 
 /// A person is made when first seen (some milliseconds) and kept (some 100 kB).
 class People {
@@ -99,14 +100,22 @@ class SyntheticSource final : public FrameSource {
     Frame frame;
     frame.name = fmt::format("{:06}", index);
     frame.camera = camera_of_frame(index);
+    frame.side = side_of_frame(index);
+    const bool is_left = frame.side == HandSide::left;
+    // A left hand is a right one in a mirror: it is rendered through the camera's mirror image.
+    const Camera camera = is_left ? mirrored(frame.camera) : frame.camera;
     const BodyRig& rig = people_.rig(person_of_frame(index));
     const PlacedPosture placed =
-        posture_of_frame(rig, frame.camera, postures_, derived_seed(manifest_.seed, kPostures), index);
+        posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
     const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
-    const Rendering rendering =
-        render({posed.vertices, body_->faces}, frame.camera, {.culling = FaceCulling::back_faces});
+    Rendering rendering =
+        render({posed.vertices, body_->faces}, camera, {.culling = FaceCulling::back_faces});
+    frame.truth = image_pose(posed.landmarks, camera);
+    if (is_left) {
+      rendering = {mirrored(rendering.depth_mm), mirrored(rendering.face)};
+      frame.truth = mirrored(*frame.truth, camera.width);
+    }
     frame.mask = mask_of(rendering, body_->is_hand);
-    frame.truth = image_pose(posed.landmarks, frame.camera);
     const auto number = static_cast<std::uint64_t>(index);
     frame.depth_mm = measured(rendering.depth_mm, manifest_.sensor,
                               derived_seed(derived_seed(manifest_.seed, kSensor), number));
@@ -114,11 +123,22 @@ class SyntheticSource final : public FrameSource {
   }
 
  private:
-  /// Smooth motion is one person's.
+  /// Smooth motion is one person's, and of one hand.
+  std::uint64_t scene_of_frame(std::int64_t index) const {
+    return manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
+  }
+
   std::size_t person_of_frame(std::int64_t index) const {
-    const std::uint64_t stream = manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
-    Random random(derived_seed(manifest_.seed, kPeople), people_.size() + stream);
+    Random random(derived_seed(manifest_.seed, kPeople), people_.size() + scene_of_frame(index));
     return random.below(static_cast<std::uint32_t>(people_.size()));
+  }
+
+  HandSide side_of_frame(std::int64_t index) const {
+    if (manifest_.body.side == "both") {
+      Random random(derived_seed(manifest_.seed, kSides), scene_of_frame(index));
+      return random.below(2) == 1 ? HandSide::left : HandSide::right;
+    }
+    return manifest_.body.side == "left" ? HandSide::left : HandSide::right;
   }
 
   Camera camera_of_frame(std::int64_t index) const {
