@@ -11,6 +11,7 @@ Frame mirrored(const Frame& frame) {
   result.infrared = mirrored(frame.infrared);
   result.mask = mirrored(frame.mask);
   if (frame.truth) result.truth = mirrored(*frame.truth, frame.camera.width);
+  if (frame.side) result.side = *frame.side == HandSide::left ? HandSide::right : HandSide::left;
   return result;
 }
 

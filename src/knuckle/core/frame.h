@@ -18,6 +18,9 @@ inline bool is_measured(float depth_mm) {
   return depth_mm > 0.0f && depth_mm <= std::numeric_limits<float>::max();
 }
 
+/// Which hand of a person.
+enum class HandSide : std::uint8_t { right, left };
+
 /// One depth image with all that is known about it.
 struct Frame {
   std::string name;               ///< unique in its source, for messages and pictures; no extension
@@ -26,9 +29,11 @@ struct Frame {
   Image<std::uint16_t> infrared;  ///< amplitude in the sensor's own unit; empty where the source has none
   Image<std::uint8_t> mask;       ///< truth: 1 where a pixel is hand, else 0; empty where the source has none
   std::optional<HandPose> truth;  ///< joints in pixel-centre coordinates; joints may be missing
+  std::optional<HandSide> side;   ///< truth: which hand it is; nothing where the source does not know
 };
 
-/// The frame in a mirror: images, camera and truth. A left hand becomes a right one.
+/// The frame in a mirror: images, camera and truth. A left hand becomes a right one,
+/// and says so.
 Frame mirrored(const Frame& frame);
 
 }  // namespace knuckle

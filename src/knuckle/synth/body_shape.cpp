@@ -14,9 +14,6 @@ namespace {
 /// The skin ends about this far beyond the middle finger's tip landmark (measured on the mean adult).
 constexpr float kSkinBeyondTipMm = 1.5f;
 
-/// Halvings of [-1, 1]: the hand's length is then exact to a micrometre.
-constexpr int kBisections = 18;
-
 /// The share that a person has of a group of one property: "young", 0.7.
 struct Share {
   std::string_view group;
@@ -186,13 +183,10 @@ PersonShape with_hand_length(const Body& body, PersonShape person, double length
     person.hand_scale = scale;
     return hand_length_mm(shaped_body(body, shape_coefficients(body, person)));
   };
-  double low = -1.0;
-  double high = 1.0;
-  for (int step = 0; step < kBisections; ++step) {
-    const double middle = 0.5 * (low + high);
-    (length_at(middle) < length_mm ? low : high) = middle;
-  }
-  person.hand_scale = 0.5 * (low + high);
+  // Length is linear in the scale on each side of 0: two chords that start there are exact.
+  const double plain = length_at(0.0);
+  const double end = length_mm < plain ? -1.0 : 1.0;
+  person.hand_scale = end * std::clamp((length_mm - plain) / (length_at(end) - plain), 0.0, 1.0);
   return person;
 }
 

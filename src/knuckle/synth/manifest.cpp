@@ -12,6 +12,7 @@
 namespace knuckle {
 namespace {
 
+constexpr std::array<std::string_view, 3> kSides = {"right", "left", "both"};
 constexpr std::array<std::string_view, 2> kModels = {"projective", "orthographic"};
 
 template <class... Options>
@@ -40,6 +41,8 @@ void check_sensor(const OptionTable& manifest_table, const Manifest& manifest) {
 void PeopleOptions::visit(OptionVisitor& visitor) {
   visitor.text("file", file);
   visitor.integer("people", people, closed(1, 100000));
+  visitor.real("bone_spread", bone_spread, closed(0, 0.2));
+  visitor.choice("side", side, kSides);
 }
 
 ManifestCamera::ManifestCamera()

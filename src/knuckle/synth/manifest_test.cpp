@@ -93,6 +93,8 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[sensor]\ndisparity_px = 0.5", "m.toml:2: sensor.disparity_px"},
       {"[camera]\nmodel = 'orthographic'\n[sensor]\npreset = 'sr300'", "baseline_mm"},
       {"[body]\npeople = 0", "people"},
+      {"[body]\nbone_spread = 0.5", "bone_spread"},
+      {"[body]\nside = 'top'", "both"},
       {"seed = = 3", "m.toml"}};
   for (const auto& [text, fault] : faults) {
     const std::string message = error_of_manifest(text);

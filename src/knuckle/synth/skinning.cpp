@@ -48,6 +48,18 @@ Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Ve
   return sum;
 }
 
+void find_joints(ShapedBody& person) {
+  const Body& body = *person.body;
+  person.joints.clear();
+  person.joints.reserve(body.joint_regressor.size());
+  for (const VertexGroup& group : body.joint_regressor) {
+    person.joints.emplace_back(group_mean(group, person.vertices).cast<float>());
+  }
+  for (int i = 0; i < kSupersetSize; ++i) {
+    person.landmarks[i] = group_mean(body.landmark_regressor[i], person.vertices).cast<float>();
+  }
+}
+
 ShapedBody shaped_body(const Body& body, std::span<const double> coefficients) {
   if (coefficients.size() != body.shapedirs.size()) {
     fail("body shape: {} coefficients for {} shape directions", coefficients.size(), body.shapedirs.size());
@@ -65,13 +77,7 @@ ShapedBody shaped_body(const Body& body, std::span<const double> coefficients) {
       person.vertices[direction.vertices[i]] += coefficient * direction.offsets_mm[i];
     }
   }
-  person.joints.reserve(body.joint_regressor.size());
-  for (const VertexGroup& group : body.joint_regressor) {
-    person.joints.emplace_back(group_mean(group, person.vertices).cast<float>());
-  }
-  for (int i = 0; i < kSupersetSize; ++i) {
-    person.landmarks[i] = group_mean(body.landmark_regressor[i], person.vertices).cast<float>();
-  }
+  find_joints(person);
   return person;
 }
 

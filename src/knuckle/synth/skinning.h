@@ -21,6 +21,9 @@ struct ShapedBody {
   std::array<Eigen::Vector3f, kSupersetSize> landmarks;  ///< at rest [mm]
 };
 
+/// Sets joints and landmarks from the vertices, by the body's regressors.
+void find_joints(ShapedBody& person);
+
 /// v_template + sum of coefficient x direction; `coefficients` has one a shape direction. Throws an Error
 /// where their number is wrong or one is not finite.
 ShapedBody shaped_body(const Body& body, std::span<const double> coefficients);

@@ -25,19 +25,23 @@ constexpr std::uint64_t kPeople = 1;
 constexpr std::uint64_t kCameras = 2;
 constexpr std::uint64_t kPostures = 3;
 constexpr std::uint64_t kSensor = 4;
+constexpr std::uint64_t kSides = 5;
 
 /// A person is made when first seen (some milliseconds) and kept (some 100 kB).
 class People {
  public:
-  People(std::shared_ptr<const Body> body, int count, std::uint64_t seed)
-      : body_(std::move(body)), seed_(seed), places_(static_cast<std::size_t>(count)) {}
+  People(std::shared_ptr<const Body> body, const PeopleOptions& options, std::uint64_t seed)
+      : body_(std::move(body)),
+        seed_(seed),
+        bone_spread_(options.bone_spread),
+        places_(static_cast<std::size_t>(options.people)) {}
 
   std::size_t size() const { return places_.size(); }
 
   const BodyRig& rig(std::size_t number) const {
     Place& place = places_[number];
     std::call_once(place.once, [&] {
-      place.person = shaped_body(*body_, coefficients(number));
+      place.person = person(number);
       place.rig.emplace(place.person);
     });
     return *place.rig;
@@ -51,10 +55,11 @@ class People {
   };
 
   /// A body that has no MakeHuman shapes has one shape.
-  std::vector<double> coefficients(std::size_t number) const {
-    if (!has_makehuman_shapes()) return std::vector<double>(body_->shapedirs.size(), 0.0);
+  ShapedBody person(std::size_t number) const {
+    if (!has_makehuman_shapes())
+      return shaped_body(*body_, std::vector<double>(body_->shapedirs.size(), 0.0));
     Random random(seed_, number);
-    return shape_coefficients(*body_, sampled_person(*body_, random));
+    return shaped_body(*body_, sampled_person(*body_, bone_spread_, random));
   }
 
   bool has_makehuman_shapes() const {
@@ -67,6 +72,7 @@ class People {
 
   std::shared_ptr<const Body> body_;
   std::uint64_t seed_;
+  double bone_spread_;
   mutable std::vector<Place> places_;
 };
 
@@ -83,7 +89,7 @@ class SyntheticSource final : public FrameSource {
       : manifest_(manifest),
         postures_{manifest.pose, manifest.placement, manifest.motion},
         body_(body),
-        people_(std::move(body), manifest.body.people, derived_seed(manifest.seed, kPeople)) {}
+        people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {}
 
   std::int64_t size() const override { return manifest_.frames; }
   std::optional<Convention> convention() const override { return superset_convention(); }
@@ -95,24 +101,32 @@ class SyntheticSource final : public FrameSource {
     Frame frame;
     frame.name = fmt::format("{:06}", index);
     frame.camera = camera_of_frame(index);
+    frame.side = side_of_frame(index);
+    const bool is_left = frame.side == HandSide::left;
+    // A left hand is a right one in a mirror: it is rendered through the camera's mirror image.
+    const Camera camera = is_left ? mirrored(frame.camera) : frame.camera;
     const BodyRig& rig = people_.rig(person_of_frame(index));
     const PlacedPosture placed =
-        posture_of_frame(rig, frame.camera, postures_, derived_seed(manifest_.seed, kPostures), index);
+        posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
     const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
     const TriangleMesh mesh{posed.vertices, body_->faces};
-    const Rendering rendering = render(mesh, frame.camera, {.culling = FaceCulling::back_faces});
+    Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
+    SeenSurfaces surfaces{rendering.depth_mm, {}};
+    if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, camera);
     frame.mask = mask_of(rendering, body_->is_hand);
-    frame.truth = image_pose(posed.landmarks, frame.camera);
-    look_with_sensor(rendering, mesh, index, frame);
+    frame.truth = image_pose(posed.landmarks, camera);
+    if (is_left) {
+      surfaces = {mirrored(surfaces.depth_mm), mirrored(surfaces.cosines)};
+      frame.mask = mirrored(frame.mask);
+      frame.truth = mirrored(*frame.truth, camera.width);
+    }
+    look_with_sensor(std::move(surfaces), index, frame);
     return frame;
   }
 
  private:
   /// Sets what the sensor gives: depth and infrared. The mask stays that of the exact picture.
-  void look_with_sensor(const Rendering& rendering, const TriangleMesh& mesh, std::int64_t index,
-                        Frame& frame) const {
-    SeenSurfaces surfaces{rendering.depth_mm, {}};
-    if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, frame.camera);
+  void look_with_sensor(SeenSurfaces surfaces, std::int64_t index, Frame& frame) const {
     const std::uint64_t seed =
         derived_seed(derived_seed(manifest_.seed, kSensor), static_cast<std::uint64_t>(index));
     SensorImages images = measured(std::move(surfaces), frame.camera, manifest_.sensor, seed);
@@ -120,11 +134,22 @@ class SyntheticSource final : public FrameSource {
     frame.infrared = std::move(images.infrared);
   }
 
-  /// Smooth motion is one person's.
+  /// Smooth motion is one person's, and of one hand.
+  std::uint64_t scene_of_frame(std::int64_t index) const {
+    return manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
+  }
+
   std::size_t person_of_frame(std::int64_t index) const {
-    const std::uint64_t stream = manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
-    Random random(derived_seed(manifest_.seed, kPeople), people_.size() + stream);
+    Random random(derived_seed(manifest_.seed, kPeople), people_.size() + scene_of_frame(index));
     return random.below(static_cast<std::uint32_t>(people_.size()));
+  }
+
+  HandSide side_of_frame(std::int64_t index) const {
+    if (manifest_.body.side == "both") {
+      Random random(derived_seed(manifest_.seed, kSides), scene_of_frame(index));
+      return random.below(2) == 1 ? HandSide::left : HandSide::right;
+    }
+    return manifest_.body.side == "left" ? HandSide::left : HandSide::right;
   }
 
   Camera camera_of_frame(std::int64_t index) const {

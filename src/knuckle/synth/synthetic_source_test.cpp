@@ -170,6 +170,47 @@ TEST(SyntheticSource, FocalLengthsSpreadAsAskedFor) {
   EXPECT_GT(high - low, 56 * 0.2);
 }
 
+/// A camera that is not its own mirror image, without noise.
+Manifest one_sided_manifest(const std::string& side) {
+  Manifest manifest = small_manifest();
+  manifest.camera.camera.cx = 33;
+  manifest.camera.camera.distortion[3] = 0.01;
+  manifest.sensor = {.sigma_mm = 0, .quantisation_mm = 0};
+  manifest.body.side = side;
+  return manifest;
+}
+
+TEST(SyntheticSource, ALeftHandIsTheMirrorImageOfARightOne) {
+  const auto left = box_hand_source(one_sided_manifest("left"));
+  Manifest mirror = one_sided_manifest("right");
+  mirror.camera.camera = mirrored(mirror.camera.camera);
+  const auto right = box_hand_source(mirror);
+  for (int i = 0; i < mirror.frames; ++i) {
+    const Frame frame = left->read(i);
+    EXPECT_EQ(frame.side, HandSide::left);
+    EXPECT_EQ(frame.camera, one_sided_manifest("left").camera.camera);
+    const Frame reflected = mirrored(right->read(i));
+    EXPECT_EQ(reflected.side, HandSide::left);
+    expect_equal(frame, reflected);
+  }
+}
+
+TEST(SyntheticSource, BothSidesOccurAndEachIsWhatItsSideAloneShows) {
+  const auto both = box_hand_source(one_sided_manifest("both"));
+  const auto left = box_hand_source(one_sided_manifest("left"));
+  const auto right = box_hand_source(one_sided_manifest("right"));
+  int left_hands = 0;
+  for (int i = 0; i < both->size(); ++i) {
+    const Frame frame = both->read(i);
+    ASSERT_TRUE(frame.side.has_value());
+    const bool is_left = *frame.side == HandSide::left;
+    left_hands += is_left ? 1 : 0;
+    expect_equal(frame, (is_left ? left : right)->read(i));
+  }
+  EXPECT_GT(left_hands, 4);
+  EXPECT_LT(left_hands, 20);
+}
+
 TEST(SyntheticSource, AFrameThatIsNotThereIsRefused) {
   const auto source = box_hand_source(small_manifest());
   EXPECT_THAT(testing::error_of([&] { source->read(24); }), ::testing::HasSubstr("test.toml: frame 24"));
