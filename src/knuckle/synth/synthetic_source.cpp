@@ -110,7 +110,7 @@ class SyntheticSource final : public FrameSource {
         posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
     const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
     const TriangleMesh mesh{posed.vertices, body_->faces};
-    Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
+    const Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
     SeenSurfaces surfaces{rendering.depth_mm, {}};
     if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, camera);
     frame.mask = mask_of(rendering, body_->is_hand);
