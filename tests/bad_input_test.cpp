@@ -193,6 +193,29 @@ TEST_F(BadInputTest, AManifestThatIsWrong) {
   EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("manifest.toml:1: frames"));
   write_text_file(path("manifest.toml"), "farmes = 3\n");
   EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("manifest.toml:1: farmes"));
+  const auto fault = [&](const std::string& toml, const std::string& part) {
+    write_text_file(path("manifest.toml"), toml);
+    EXPECT_THAT(run_program({"render", "--manifest", path("manifest.toml"), "--out", path("x.h5")}),
+                FailedWith("manifest.toml" + part))
+        << toml;
+  };
+  fault("[body]\npeople = 0\n", ":2: body.people: is 0");
+  fault("[sensor]\nsigma = 3\n", ":2: sensor.sigma: unknown key");
+  fault("[sensor]\nsigma_mm = -1\n", ":2: sensor.sigma_mm: is -1");
+  fault("[placement]\nnearest_mm = 600\nfarthest_mm = 500\n", ": [placement]");
+  fault("[camera]\nwidth = 0\n", ":2: camera.width: is 0");
+  fault("[camera]\nfx = 'wide'\n", ":2: camera.fx: expected a number");
+  fault(
+      "[pose]\ngesture_share = 0\npair_share = 0\nmixed_share = 0\nclosing_share = 0\ngrasp_share = 0\n"
+      "uniform_share = 0\n",
+      ": [pose]");
+  fault("frames = 'many'\n", ":1: frames: expected a whole number");
+  fault("frames = 3\nframes = 4\n", ":2: no valid TOML");
+  write_text_file(path("manifest.toml"), "[body]\nfile = 'nobody.h5'\n");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("nobody.h5: the file is missing"));
+  write_text_file(path("nobody.h5"), "no body");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("nobody.h5: no HDF5 file"));
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains(HasSubstr("x.h5"))));
   EXPECT_THAT(
       run_program({"render", "--manifest", kDemoManifest, "--first", "100000", "--out", path("x.h5")}),
       FailedWith("demo.toml"));

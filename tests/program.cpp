@@ -2,6 +2,9 @@
 #include "program.h"
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -25,7 +28,21 @@ int status_of(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
 }
 
-ProgramRun run_command(std::vector<std::string> command) {
+/// Waits for the process to end, which `is_time` may make sooner.
+int wait_for(pid_t process, const std::function<bool()>& is_time) {
+  int wait_status = 0;
+  if (!is_time) {
+    ::waitpid(process, &wait_status, 0);
+    return wait_status;
+  }
+  while (::waitpid(process, &wait_status, WNOHANG) == 0) {
+    if (is_time()) ::kill(process, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  return wait_status;
+}
+
+ProgramRun run_command(std::vector<std::string> command, const std::function<bool()>& is_time = {}) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const std::string error = folder / "error";
@@ -41,17 +58,21 @@ ProgramRun run_command(std::vector<std::string> command) {
   posix_spawn_file_actions_destroy(&actions);
   if (fault != 0) throw std::runtime_error("cannot start " + command.front());
 
-  int wait_status = 0;
-  ::waitpid(process, &wait_status, 0);
+  const int wait_status = wait_for(process, is_time);
   return {status_of(wait_status), read_text_file(out), read_text_file(error)};
 }
 
 }  // namespace
 
 ProgramRun run_program(const std::vector<std::string>& arguments) {
+  return run_program_until({}, arguments);
+}
+
+ProgramRun run_program_until(const std::function<bool()>& is_time,
+                             const std::vector<std::string>& arguments) {
   std::vector<std::string> command = {KNUCKLE_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
-  return run_command(std::move(command));
+  return run_command(std::move(command), is_time);
 }
 
 ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@ struct ProgramRun {
 
 /// Runs the program with these arguments from the project's folder and waits for it.
 ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// The same, but the program is killed as soon as `is_time` says so; status 128 + 9 where that came before
+/// its end.
+ProgramRun run_program_until(const std::function<bool()>& is_time, const std::vector<std::string>& arguments);
 
 /// The same on a disk that is full: no file of the program may grow beyond `kilobytes`.
 ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments);

@@ -92,6 +92,40 @@ TEST_F(VerbsTest, WhatIsRenderedReadsBackInEveryFormat) {
   }
 }
 
+TEST_F(VerbsTest, RenderWritesItsManifestWithAllDefaults) {
+  write_text_file(path("short.toml"), "frames = 2\nseed = 4\n[body]\npeople = 1\n");
+  ASSERT_THAT(run_program({"render", "--manifest", path("short.toml"), "--out", path("a.h5")}), Succeeded());
+  const std::string resolved = read_text_file(path("a.h5.options.toml"));
+  EXPECT_THAT(resolved, HasSubstr("seed = 4"));
+  EXPECT_THAT(resolved, HasSubstr("sigma_mm = 3.0"));
+  EXPECT_THAT(resolved, HasSubstr("wrist_deg = "));
+  const auto frame_of = [&](const std::string& manifest, const std::string& png) {
+    EXPECT_THAT(
+        run_program({"inspect", "--source", "synthetic:" + manifest, "--frame", "1", "--png", path(png)}),
+        Succeeded());
+    return read_text_file(path(png));
+  };
+  EXPECT_TRUE(frame_of(path("short.toml"), "a.png") == frame_of(path("a.h5.options.toml"), "b.png"))
+      << "the resolved manifest makes other frames";
+}
+
+TEST_F(VerbsTest, RenderMakesAContactSheetAloneOrBesideItsFrames) {
+  const auto sheet = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "render",    "--manifest", "manifests/demo.toml", "--contact-sheet", path("sheet.png"),
+        "--columns", "3"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_THAT(run_program(arguments), Succeeded());
+    const Image<Rgb> picture = read_png_rgb(path("sheet.png"));
+    return std::pair(picture.width(), picture.height());
+  };
+  EXPECT_EQ(sheet({"--count", "5", "--first", "3"}), std::pair(624, 318));
+  EXPECT_THAT(entries_of(folder_.path()), ::testing::ElementsAre("sheet.png"));
+  EXPECT_EQ(sheet({"--count", "5", "--tiles", "2", "--out", path("a.h5")}), std::pair(418, 162));
+  EXPECT_THAT(run_program({"inspect", "--source", "h5:" + path("a.h5")}), Succeeded());
+  EXPECT_EQ(run_program({"render", "--manifest", "manifests/demo.toml"}).status, 2) << "nothing to make";
+}
+
 TEST_F(VerbsTest, SegmentWritesALineAFrame) {
   ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", "pipelines/default.toml",
                            "--out", path("boxes.csv")}),
@@ -125,6 +159,10 @@ TEST_F(VerbsTest, EstimatesAreEvaluatedAgainstTheirSource) {
   EXPECT_GT(scores["methods"][0]["mean_3d_mm"], 0.0);
   EXPECT_LT(scores["methods"][0]["mean_3d_mm"], 60.0);
   EXPECT_THAT(read_text_file(path("report/report.html")), HasSubstr("<svg"));
+  for (const std::string options : {"report/options.toml", "scores.json.options.toml"}) {
+    EXPECT_THAT(read_text_file(path(options)), HasSubstr(fmt::format("truth = '{}'", kDemoSource)));
+    EXPECT_THAT(read_text_file(path(options)), HasSubstr("even_frames = 8"));
+  }
 }
 
 TEST_F(VerbsTest, AFrameWithoutAHandIsALineOfNanAndAMissingPrediction) {

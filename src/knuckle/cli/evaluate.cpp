@@ -21,6 +21,13 @@ struct EvaluateArguments {
   std::filesystem::path out;
   std::filesystem::path json;
   GalleryOptions gallery;
+
+  void visit(OptionVisitor& visitor) {
+    visitor.text("truth", truth);
+    visitor.texts("predictions", predictions, {});
+    visitor.text("convention", convention);
+    visitor.text("camera", camera);
+  }
 };
 
 /// The truth, and the frames to show where it comes from a source.
@@ -35,12 +42,7 @@ std::optional<Convention> chosen_convention(const EvaluateArguments& arguments) 
   return convention_from_name(arguments.convention);
 }
 
-OpenedTruth open_truth(const EvaluateArguments& arguments) {
-  if (names_a_source(arguments.truth)) {
-    auto source = open_source(arguments.truth);
-    const PixelOrigin origin = source->pixel_origin();
-    return {truth_from_source(*source, arguments.truth), std::move(source), origin};
-  }
+OpenedTruth read_truth_file(const EvaluateArguments& arguments) {
   if (arguments.camera.empty()) {
     fail("{}: truth from a file needs its camera: --camera fx,fy,cx,cy", arguments.truth);
   }
@@ -65,9 +67,14 @@ void print_scores(const Evaluation& evaluation) {
   }
 }
 
-void write_out(const Report& report, const std::filesystem::path& folder) {
-  fmt::print("report: {}\n", write_report(report, folder).string());
-  write_resolved_options(folder, "");
+void write_options(const EvaluateArguments& arguments, const std::filesystem::path& output) {
+  write_resolved_options(output,
+                         options_as_toml(arguments) + "\n[gallery]\n" + options_as_toml(arguments.gallery));
+}
+
+void write_out(const EvaluateArguments& arguments, const Report& report) {
+  fmt::print("report: {}\n", write_report(report, arguments.out).string());
+  write_options(arguments, arguments.out);
 }
 
 /// A source without truth: nothing can be scored, but the poses can be looked at.
@@ -87,28 +94,32 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
   report.title = "Hand poses";
   report.facts = {{"source", arguments.truth}, {"truth", "none: nothing is scored"}};
   report.gallery = make_gallery({&source, nullptr, nullptr, predictions}, arguments.gallery);
-  write_out(report, arguments.out);
+  write_out(arguments, report);
 }
 
 void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
   const std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
   const Evaluation evaluation = evaluate(opened.truth, predictions);
   print_scores(evaluation);
-  if (!arguments.json.empty()) write_text_file(arguments.json, to_json(evaluation));
+  if (!arguments.json.empty()) {
+    write_text_file(arguments.json, to_json(evaluation));
+    write_options(arguments, arguments.json);
+  }
   if (arguments.out.empty()) return;
   Report report;
   report.evaluation = evaluation;
   report.gallery =
       make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
-  write_out(report, arguments.out);
+  write_out(arguments, report);
 }
 
 void run_evaluate(const EvaluateArguments& arguments) {
-  if (names_a_source(arguments.truth)) {
-    const auto source = open_source(arguments.truth);
-    if (!source->convention()) return show_unlabelled(arguments, *source);
-  }
-  score_labelled(arguments, open_truth(arguments));
+  if (!names_a_source(arguments.truth)) return score_labelled(arguments, read_truth_file(arguments));
+  auto source = open_source(arguments.truth);
+  if (!source->convention()) return show_unlabelled(arguments, *source);
+  Truth truth = truth_from_source(*source, arguments.truth);
+  const PixelOrigin origin = source->pixel_origin();
+  score_labelled(arguments, {std::move(truth), std::move(source), origin});
 }
 
 }  // namespace

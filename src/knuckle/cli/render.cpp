@@ -4,9 +4,12 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
+#include "knuckle/core/image_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/data/frame_writer.h"
+#include "knuckle/eval/contact_sheet.h"
+#include "knuckle/synth/manifest.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle::cli {
@@ -18,6 +21,9 @@ struct RenderArguments {
   std::string format = "h5";
   std::int64_t first = 0;
   std::int64_t count = 0;
+  std::filesystem::path sheet;
+  int tiles = 48;
+  ContactSheetOptions layout;
 };
 
 /// How many frames to render: what was asked for, or all from the first on.
@@ -29,9 +35,13 @@ std::int64_t frames_to_render(const RenderArguments& arguments, std::int64_t ava
   return arguments.count > 0 ? arguments.count : available - arguments.first;
 }
 
-void run_render(const RenderArguments& arguments) {
-  const auto source = open_synthetic(arguments.manifest);
-  const std::int64_t count = frames_to_render(arguments, source->size());
+void write_contact_sheet(const RenderArguments& arguments, const FrameSource& source, std::int64_t count) {
+  const auto frames = spread_frames(arguments.first, count, arguments.tiles);
+  write_png(arguments.sheet, contact_sheet(source, frames, arguments.layout));
+  fmt::print("contact sheet of {} frames: {}\n", frames.size(), arguments.sheet.string());
+}
+
+void write_frames(const RenderArguments& arguments, const FrameSource& source, std::int64_t count) {
   FrameWriterOptions options;
   options.first = arguments.first;
   options.count = count;
@@ -40,22 +50,40 @@ void run_render(const RenderArguments& arguments) {
   Progress progress("render", "frames", count);
   parallel_for(count, [&](std::int64_t i) {
     const std::int64_t index = arguments.first + i;
-    if (!writer->has(index)) writer->write(index, source->read(index));
+    if (!writer->has(index)) writer->write(index, source.read(index));
     progress.advance();
   });
   writer->finish();
-  write_resolved_options(arguments.out, options.manifest);
+  write_resolved_options(arguments.out, load_manifest(arguments.manifest).resolved);
   fmt::print("{} frames: {}\n", count, arguments.out.string());
+}
+
+void run_render(const RenderArguments& arguments) {
+  if (arguments.out.empty() && arguments.sheet.empty()) throw CLI::RequiredError("--out or --contact-sheet");
+  const auto source = open_synthetic(arguments.manifest);
+  const std::int64_t count = frames_to_render(arguments, source->size());
+  if (!arguments.out.empty()) write_frames(arguments, *source, count);
+  if (!arguments.sheet.empty()) write_contact_sheet(arguments, *source, count);
 }
 
 }  // namespace
 
 void add_render(CLI::App& program) {
   CLI::App& verb = add_verb(program, "render", "Make labelled synthetic frames from a manifest",
-                            "knuckle render --manifest manifests/demo.toml --out demo.h5");
+                            "knuckle render --manifest manifests/demo.toml --out demo.h5\n"
+                            "  knuckle render --manifest manifests/demo.toml --contact-sheet demo.png");
   auto arguments = std::make_shared<RenderArguments>();
   verb.add_option("--manifest", arguments->manifest, "What to render (manifests/)")->required();
-  verb.add_option("--out", arguments->out, "File (h5) or folder (folder, icg) to write")->required();
+  verb.add_option("--out", arguments->out,
+                  "File (h5) or folder (folder, icg) to write; h5 goes on where a run was stopped");
+  verb.add_option("--contact-sheet", arguments->sheet,
+                  "PNG with small pictures of the frames; alone, or beside --out");
+  verb.add_option("--tiles", arguments->tiles, "Pictures on the contact sheet, spread evenly over the frames")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  verb.add_option("--columns", arguments->layout.columns, "Pictures in a row of the contact sheet")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   verb.add_option("--format", arguments->format, "h5, folder or icg")->capture_default_str();
   verb.add_option("--first", arguments->first, "First frame")
       ->check(CLI::NonNegativeNumber)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,8 +35,10 @@ class Hdf5File {
 
   const std::filesystem::path& path() const;
   bool has(std::string_view dataset) const;
+  /// Throws where the shape is more than a file of this size can hold: then the file is damaged.
   std::vector<std::uint64_t> shape(std::string_view dataset) const;
 
+  /// Throws as `shape` does, before memory is taken.
   template <class T>
   Hdf5Array<T> read(std::string_view dataset) const;
   /// `count` entries from `first` on along the slowest dimension. `values` has room for all of them.
@@ -56,6 +59,10 @@ class Hdf5File {
                       const Storage& storage);
   template <class T>
   void write_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count, const T* values);
+
+  /// Puts a row of an array of one row a chunk into the file as it is stored there: shuffled and deflated
+  /// (core/deflate.h) where the array is. The work of many threads then takes turns only for the writing.
+  void write_chunk(std::string_view dataset, std::uint64_t row, std::span<const std::uint8_t> stored);
 
   std::vector<std::string> read_texts(std::string_view dataset) const;
   void write_texts(std::string_view dataset, const std::vector<std::string>& texts);

@@ -3,6 +3,7 @@
 
 #include <numeric>
 
+#include "knuckle/core/deflate.h"
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
@@ -10,6 +11,7 @@
 namespace knuckle {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using testing::error_of;
 using ::testing::HasSubstr;
@@ -112,6 +114,51 @@ TEST_F(Hdf5FileTest, AFileCutShortOrForeignIsRefused) {
   EXPECT_THAT(error_of([&] { Hdf5File::open(folder / "none.h5"); }),
               HasSubstr("none.h5: the file is missing"));
   EXPECT_THAT(error_of([&] { Hdf5File::open(folder.path()); }), HasSubstr("found a folder"));
+}
+
+/// Declares 2^20 times as many rows as the array of 16 x 4 has, by changing the file's bytes.
+void declare_huge_array(const std::filesystem::path& path) {
+  std::string bytes = read_text_file(path);
+  const std::uint64_t extent[] = {16, 4};
+  const std::string before(reinterpret_cast<const char*>(extent), sizeof(extent));
+  const std::uint64_t huge = std::uint64_t{1} << 40;
+  int changed = 0;
+  for (std::size_t at = bytes.find(before); at != std::string::npos; at = bytes.find(before, at + 8)) {
+    bytes.replace(at, sizeof(huge), reinterpret_cast<const char*>(&huge), sizeof(huge));
+    ++changed;
+  }
+  ASSERT_GT(changed, 0) << "the extent does not stand in the file as expected";
+  write_text_file(path, bytes);
+}
+
+TEST_F(Hdf5FileTest, AnArrayLargerThanTheFileCanHoldIsRefusedBeforeMemoryIsTaken) {
+  for (const Hdf5File::Storage& storage : {Hdf5File::Storage{0, 0}, Hdf5File::Storage{1, 1}}) {
+    const std::filesystem::path huge = folder / "huge.h5";
+    {
+      Hdf5File file = Hdf5File::create(huge);
+      file.write<float>("values", {16, 4}, std::vector<float>(64, 1.5f).data(), storage);
+      file.close();
+    }
+    EXPECT_EQ(Hdf5File::open(huge).read<float>("values").values.size(), 64u);
+    ASSERT_NO_FATAL_FAILURE(declare_huge_array(huge));
+    const Hdf5File file = Hdf5File::open(huge);
+    EXPECT_THAT(error_of([&] { file.read<float>("values"); }),
+                AllOf(HasSubstr("huge.h5: values"), HasSubstr("declares 4398046511104 values")));
+    EXPECT_THAT(error_of([&] { file.shape("values"); }), HasSubstr("huge.h5: values: declares"));
+  }
+}
+
+TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
+  const std::vector<std::uint16_t> row{7, 7, 7, 7, 300, 0, 65535, 7};
+  {
+    Hdf5File file = Hdf5File::open_for_writing(path);
+    file.create_dataset<std::uint16_t>("rows", {3, 8}, {1, 1});
+    file.write_chunk("rows", 1, deflated(shuffled(row), row.size()));
+    file.close();
+  }
+  std::vector<std::uint16_t> back(8);
+  Hdf5File::open(path).read_rows("rows", 1, 1, back.data());
+  EXPECT_EQ(back, row);
 }
 
 TEST_F(Hdf5FileTest, AnUnwritablePlaceIsNamed) {

@@ -42,6 +42,10 @@ std::optional<HandPose> FolderSource::read_truth(std::int64_t index) const {
       with_pixel_origin(pose_from_uvd(convention, uvd), description_.pixel_origin, PixelOrigin::centre));
 }
 
+FrameLabel FolderSource::read_label(std::int64_t index) const {
+  return {description_.camera, read_truth(index)};
+}
+
 Frame FolderSource::read(std::int64_t index) const {
   const std::string& name = names_.at(static_cast<std::size_t>(index));
   const auto checked = [&](auto image, const fs::path& path) {

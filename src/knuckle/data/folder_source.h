@@ -21,6 +21,7 @@ class FolderSource final : public FrameSource {
 
   std::int64_t size() const override { return static_cast<std::int64_t>(names_.size()); }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
   PixelOrigin pixel_origin() const override { return description_.pixel_origin; }
 

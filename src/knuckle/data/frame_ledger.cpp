@@ -19,6 +19,13 @@ void require_camera_size(const Image<T>& image, const Camera& camera, std::strin
   }
 }
 
+bool fit_together(FrameLayout a, FrameLayout b, FrameCameras cameras) {
+  if (cameras == FrameCameras::of_one_size) {
+    for (Camera* camera : {&a.camera, &b.camera}) camera->fx = camera->fy = camera->cx = camera->cy = 0.0;
+  }
+  return a == b;
+}
+
 FrameLayout checked_layout(const Frame& frame, std::string_view where) {
   require_camera_size(frame.depth_mm, frame.camera, "depth", where);
   if (!frame.infrared.empty()) require_camera_size(frame.infrared, frame.camera, "infrared", where);
@@ -28,8 +35,8 @@ FrameLayout checked_layout(const Frame& frame, std::string_view where) {
 
 }  // namespace
 
-FrameLedger::FrameLedger(std::string where, const FrameWriterOptions& options)
-    : where_(std::move(where)), first_(options.first), count_(options.count) {
+FrameLedger::FrameLedger(std::string where, const FrameWriterOptions& options, FrameCameras cameras)
+    : where_(std::move(where)), first_(options.first), count_(options.count), cameras_(cameras) {
   if (first_ < 0 || count_ < 0) fail("{}: frames {} and {} more cannot be written", where_, first_, count_);
 }
 
@@ -40,7 +47,8 @@ void FrameLedger::enter(std::int64_t index, const Frame& frame) {
   const FrameLayout layout = checked_layout(frame, where);
   const Lock lock(mutex_);
   if (!layout_) layout_ = layout;
-  if (layout != *layout_) fail("{} has another camera or other images than the frames before", where);
+  if (!fit_together(layout, *layout_, cameras_))
+    fail("{} has another camera or other images than the frames before", where);
   if (!entered_.insert(index).second) fail("{} comes twice", where);
 }
 

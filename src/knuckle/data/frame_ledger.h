@@ -21,12 +21,19 @@ struct FrameLayout {
   bool operator==(const FrameLayout&) const = default;
 };
 
+/// What the cameras of a set's frames must have in common.
+enum class FrameCameras {
+  all_alike,
+  of_one_size,  ///< and one model and distortion; focal length and principal point may differ
+};
+
 /// Keeps account of the frames that a writer is handed: that they fit together, that none comes twice, that
 /// none is missing in the end. Safe to use from many threads.
 class FrameLedger {
  public:
   /// `where` starts all messages.
-  FrameLedger(std::string where, const FrameWriterOptions& options);
+  FrameLedger(std::string where, const FrameWriterOptions& options,
+              FrameCameras cameras = FrameCameras::all_alike);
 
   /// Enters a frame before it is written; the first one sets the layout. Throws an Error where its index is
   /// out of range or was entered before, its images differ in size, or its layout differs from the first
@@ -47,6 +54,7 @@ class FrameLedger {
   std::string where_;
   std::int64_t first_;
   std::int64_t count_;
+  FrameCameras cameras_;
   mutable std::mutex mutex_;
   std::optional<FrameLayout> layout_;
   std::unordered_set<std::int64_t> entered_;

@@ -5,11 +5,18 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "knuckle/core/frame.h"
 
 namespace knuckle {
+
+/// What is known of a frame without its images.
+struct FrameLabel {
+  Camera camera;
+  std::optional<HandPose> truth;
+};
 
 /// Frames, one after another: a data set on disk, a generator, a camera. The paper's "data provider".
 ///
@@ -22,6 +29,11 @@ class FrameSource {
   virtual std::int64_t size() const = 0;
   /// Frame `index` in [0, size). Throws an Error that names the file where it cannot be read.
   virtual Frame read(std::int64_t index) const = 0;
+  /// Camera and truth as `read` gives them. Most sources need not open the images for that.
+  virtual FrameLabel read_label(std::int64_t index) const {
+    Frame frame = read(index);
+    return {frame.camera, std::move(frame.truth)};
+  }
   /// What the truth is labelled in; nothing where the source has no truth.
   virtual std::optional<Convention> convention() const = 0;
   /// The pixel origin of the source's own files: results written for it use the same.

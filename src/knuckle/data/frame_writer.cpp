@@ -25,8 +25,6 @@ std::unique_ptr<FrameWriter> create_frame_writer(std::string_view format, const 
                                                  const FrameWriterOptions& options) {
   if (!(options.depth_unit_mm > 0 && options.depth_unit_mm <= 1000))
     fail("{}: depth_unit_mm = {} is not in (0, 1000]", path.string(), options.depth_unit_mm);
-  if (options.deflate_level < 0 || options.deflate_level > 9)
-    fail("{}: deflate_level = {} is not in [0, 9]", path.string(), options.deflate_level);
   if (format == "folder") return std::make_unique<FolderWriter>(path, options);
   if (format == "h5") return std::make_unique<H5Writer>(path, options);
   if (format == "icg") return std::make_unique<IcgWriter>(path, options);

@@ -15,8 +15,9 @@ namespace knuckle {
 
 /// Writes frames as a data set that the reader of the same name opens.
 ///
-/// All frames share one camera, and all or none have infrared and mask. A file appears under its name only
-/// when whole; the set is whole after `finish`, and no reader takes it for one before.
+/// All frames share one camera (h5: its size, model and distortion), and all or none have infrared and mask.
+/// A file appears under its name only when whole; the set is whole after `finish`, and no reader takes it for
+/// one before.
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;
@@ -35,8 +36,7 @@ struct FrameWriterOptions {
   std::int64_t first = 0;  ///< index of the first frame, >= 0
   std::int64_t count = 0;  ///< number of frames, >= 0; 0 = as many as come (not for h5)
   double depth_unit_mm =
-      0.1;                ///< millimetres a count of depth, (0, 1000]; folder and h5: 0.1 reaches to 6.5 m
-  int deflate_level = 1;  ///< of h5, [0, 9]
+      0.1;  ///< millimetres a count of depth, (0, 1000]; folder and h5: 0.1 reaches to 6.5 m
   PixelOrigin pixel_origin = PixelOrigin::centre;  ///< of the files of folder; h5 has centre, icg corner
   std::string manifest;                            ///< how the frames were made, kept as text; h5 only
 };

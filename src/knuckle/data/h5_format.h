@@ -9,7 +9,7 @@
 
 namespace knuckle {
 
-// The Knuckle dataset, an HDF5 file, version 1. Attributes of the root: `format`, `version`, `complete` (1
+// The Knuckle dataset, an HDF5 file, version 2. Attributes of the root: `format`, `version`, `complete` (1
 // once all frames are in), `first_index`, `manifest` (text), `depth_unit_mm` (millimetres a count of depth),
 // `joints_unit`, `landmarks` (names of the rows of joints_mm), `pixel_origin` ("centre"), `camera_model`,
 // `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order). Arrays, a row a frame:
@@ -18,12 +18,13 @@ inline constexpr std::string_view kH5Depth = "depth";        ///< N x H x W uint
 inline constexpr std::string_view kH5Mask = "mask";          ///< N x H x W uint8, 1 = hand; may be missing
 inline constexpr std::string_view kH5Infrared = "infrared";  ///< N x H x W uint16; may be missing
 inline constexpr std::string_view kH5Joints = "joints_mm";   ///< N x 22 x 3 float32, in camera; NaN = unknown
-inline constexpr std::string_view kH5Written = "written";    ///< N uint8, 1 once the frame is in
+/// N x 4 float64, fx, fy, cx, cy of each frame's camera; version 1 has none: all are those of the attributes.
+inline constexpr std::string_view kH5Intrinsics = "intrinsics";
 
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
-inline constexpr int kH5Version = 1;
+inline constexpr int kH5Version = 2;
 
-/// The camera as attributes of the file.
+/// The camera of the first frame as attributes of the file.
 void write_camera(Hdf5File& file, const Camera& camera);
 /// Throws an Error that names the file where the attributes are missing or impossible.
 Camera read_camera(const Hdf5File& file);

@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/h5_source.h"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include <fmt/ranges.h>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/data/depth_image.h"
+#include "knuckle/data/frame_log.h"
 #include "knuckle/data/h5_format.h"
 #include "knuckle/data/truth.h"
 
 namespace knuckle {
 namespace {
 
+constexpr std::uint64_t kIntrinsicsAFrame = 4;
+
 Hdf5File open_whole(const std::filesystem::path& path) {
+  constexpr std::string_view kUnfinished = "{}: is unfinished; let the run that writes it end";
+  if (is_frame_log(path)) fail(kUnfinished, path.string());
   Hdf5File file = Hdf5File::open(path);
   file.require_format(kH5Format, kH5Version);
   if (file.number_attribute("complete") != 1)
-    fail("{}: is unfinished; let the run that writes it end", path.string());
+    fail(kUnfinished, path.string());
   return file;
 }
 
@@ -33,12 +40,12 @@ double depth_unit_of(const Hdf5File& file) {
 H5Source::H5Source(const std::filesystem::path& path)
     : file_(open_whole(path)),
       camera_(read_camera(file_)),
-      projection_(camera_),
       depth_unit_mm_(depth_unit_of(file_)),
       first_index_(static_cast<std::int64_t>(file_.number_attribute("first_index"))),
       has_infrared_(file_.has(kH5Infrared)),
       has_mask_(file_.has(kH5Mask)),
-      has_joints_(file_.has(kH5Joints)) {
+      has_joints_(file_.has(kH5Joints)),
+      has_intrinsics_(file_.has(kH5Intrinsics)) {
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
@@ -48,6 +55,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_infrared_) require_shape(kH5Infrared, images);
   if (has_mask_) require_shape(kH5Mask, images);
   if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
+  if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsAFrame});
   size_ = static_cast<std::int64_t>(count);
 }
 
@@ -63,21 +71,48 @@ std::optional<Convention> H5Source::convention() const {
   return superset_convention();
 }
 
-std::optional<HandPose> H5Source::read_truth(std::uint64_t row) const {
+std::uint64_t H5Source::row_of(std::int64_t index) const {
+  if (index < 0 || index >= size_)
+    fail("{}: has {} frames, asked for frame {}", file_.path().string(), size_, index);
+  return static_cast<std::uint64_t>(index);
+}
+
+Camera H5Source::read_frame_camera(std::uint64_t row) const {
+  if (!has_intrinsics_) return camera_;
+  std::array<double, kIntrinsicsAFrame> values{};
+  file_.read_rows(kH5Intrinsics, row, 1, values.data());
+  Camera camera = camera_;
+  camera.fx = values[0];
+  camera.fy = values[1];
+  camera.cx = values[2];
+  camera.cy = values[3];
+  try {
+    check(camera);
+  } catch (const Error& error) {
+    fail("{}: {}: frame {}: {}", file_.path().string(), kH5Intrinsics, row, error.what());
+  }
+  return camera;
+}
+
+std::optional<HandPose> H5Source::read_truth(std::uint64_t row, const Camera& camera) const {
   if (!has_joints_) return std::nullopt;
   std::vector<float> joints_mm(std::size_t{kSupersetSize} * 3);
   file_.read_rows(kH5Joints, row, 1, joints_mm.data());
   const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
-  return known_or_nothing(pose_from_camera(superset_convention(), xyz, projection_));
+  return known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(camera)));
+}
+
+FrameLabel H5Source::read_label(std::int64_t index) const {
+  const std::uint64_t row = row_of(index);
+  const Camera camera = read_frame_camera(row);
+  return {camera, read_truth(row, camera)};
 }
 
 Frame H5Source::read(std::int64_t index) const {
-  if (index < 0 || index >= size_)
-    fail("{}: has {} frames, asked for frame {}", file_.path().string(), size_, index);
-  const auto row = static_cast<std::uint64_t>(index);
+  const std::uint64_t row = row_of(index);
   Frame frame;
   frame.name = fmt::format("{:08}", first_index_ + index);
-  frame.camera = camera_;
+  frame.camera = read_frame_camera(row);
   Image<std::uint16_t> counts(camera_.width, camera_.height);
   file_.read_rows(kH5Depth, row, 1, counts.data());
   frame.depth_mm = depth_from_counts(counts, depth_unit_mm_);
@@ -90,7 +125,7 @@ Frame H5Source::read(std::int64_t index) const {
     file_.read_rows(kH5Mask, row, 1, frame.mask.data());
     frame.mask = mask_from_pixels(std::move(frame.mask));
   }
-  frame.truth = read_truth(row);
+  frame.truth = read_truth(row, frame.camera);
   return frame;
 }
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "knuckle/camera/projection.h"
 #include "knuckle/core/hdf5_file.h"
 #include "knuckle/data/frame_source.h"
 
@@ -19,21 +18,24 @@ class H5Source final : public FrameSource {
 
   std::int64_t size() const override { return size_; }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
 
  private:
   void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
-  std::optional<HandPose> read_truth(std::uint64_t row) const;
+  std::uint64_t row_of(std::int64_t index) const;
+  Camera read_frame_camera(std::uint64_t row) const;
+  std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
 
   Hdf5File file_;
-  Camera camera_;
-  Projection projection_;
+  Camera camera_;  ///< of the first frame
   double depth_unit_mm_;
   std::int64_t first_index_;
   std::int64_t size_;
   bool has_infrared_;
   bool has_mask_;
   bool has_joints_;
+  bool has_intrinsics_;
 };
 
 }  // namespace knuckle

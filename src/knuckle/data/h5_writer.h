@@ -2,42 +2,38 @@
 #pragma once
 
 #include <filesystem>
-#include <mutex>
-#include <optional>
-#include <vector>
 
 #include "knuckle/core/hdf5_file.h"
 #include "knuckle/data/frame_ledger.h"
+#include "knuckle/data/frame_log.h"
 #include "knuckle/data/frame_writer.h"
+#include "knuckle/data/stored_frame.h"
 
 namespace knuckle {
 
-/// Writes the file that H5Source reads, as `F.h5.partial` until `finish` renames it. Now and then all that
-/// was written goes to the disk, and only then are its frames marked in `written`; a later run with the same
-/// options keeps them. A remainder that cannot be read is begun anew.
+/// Writes the file that H5Source reads. Frames are compressed by the threads that bring them and wait in a
+/// log, `F.h5.partial`, in the order in which they come; `finish` puts them in their own order into the HDF5
+/// file. So a kill at any moment costs no frame that was written, a later run with the same options goes on
+/// from there, and the file has the same bytes whatever the threads and interruptions. For the time of
+/// `finish` the frames take twice their room on the disk.
 class H5Writer final : public FrameWriter {
  public:
   H5Writer(std::filesystem::path path, const FrameWriterOptions& options);
-  ~H5Writer() override;
 
   void write(std::int64_t index, const Frame& frame) override;
   bool has(std::int64_t index) const override { return ledger_.has(index); }
   void finish() override;
 
  private:
-  void resume();
-  void require_same_run(const Hdf5File& file) const;
-  void create(const FrameLayout& layout);
-  void write_rows(std::uint64_t row, const Frame& frame);
-  void mark_pending();
+  void restore();
+  void write_whole(const std::filesystem::path& path) const;
+  void create_arrays(Hdf5File& file) const;
+  void write_frames(Hdf5File& file) const;
 
   std::filesystem::path path_;
-  std::filesystem::path partial_;
   FrameWriterOptions options_;
   FrameLedger ledger_;
-  std::mutex mutex_;  ///< guards what follows
-  std::optional<Hdf5File> file_;
-  std::vector<std::int64_t> pending_;  ///< frames in the file that are not marked yet
+  FrameLog log_;
 };
 
 }  // namespace knuckle

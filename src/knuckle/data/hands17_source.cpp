@@ -25,6 +25,15 @@ std::optional<Convention> Hands17Source::convention() const {
   return convention_from_name("hands21");
 }
 
+std::optional<HandPose> Hands17Source::truth_of(const LabelledImages::Entry& entry) const {
+  if (!images_.has_labels()) return std::nullopt;
+  return known_or_nothing(pose_from_camera(convention_from_name("hands21"), entry.numbers, projection_));
+}
+
+FrameLabel Hands17Source::read_label(std::int64_t index) const {
+  return {kCamera, truth_of(images_.read(index, kValuesAFrame))};
+}
+
 Frame Hands17Source::read(std::int64_t index) const {
   const LabelledImages::Entry entry = images_.read(index, kValuesAFrame);
   Frame frame;
@@ -33,10 +42,7 @@ Frame Hands17Source::read(std::int64_t index) const {
   const Image<std::uint16_t> counts = read_png16(entry.path);
   require_size(counts, kCamera.width, kCamera.height, entry.path);
   frame.depth_mm = depth_from_counts(counts, 1.0);
-  if (images_.has_labels()) {
-    frame.truth =
-        known_or_nothing(pose_from_camera(convention_from_name("hands21"), entry.numbers, projection_));
-  }
+  frame.truth = truth_of(entry);
   return frame;
 }
 

@@ -24,6 +24,15 @@ std::optional<Convention> IcvlSource::convention() const {
   return convention_from_name("icvl16");
 }
 
+std::optional<HandPose> IcvlSource::truth_of(const LabelledImages::Entry& entry) const {
+  if (!images_.has_labels()) return std::nullopt;
+  return known_or_nothing(pose_from_uvd(convention_from_name("icvl16"), entry.numbers));
+}
+
+FrameLabel IcvlSource::read_label(std::int64_t index) const {
+  return {kCamera, truth_of(images_.read(index, kValuesAFrame))};
+}
+
 Frame IcvlSource::read(std::int64_t index) const {
   const LabelledImages::Entry entry = images_.read(index, kValuesAFrame);
   Frame frame;
@@ -34,8 +43,7 @@ Frame IcvlSource::read(std::int64_t index) const {
   for (std::uint16_t& count : counts.pixels())
     if (count >= kFirstMark) count = 0;
   frame.depth_mm = depth_from_counts(counts, 1.0);
-  if (images_.has_labels())
-    frame.truth = known_or_nothing(pose_from_uvd(convention_from_name("icvl16"), entry.numbers));
+  frame.truth = truth_of(entry);
   return frame;
 }
 

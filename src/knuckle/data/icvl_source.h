@@ -26,9 +26,12 @@ class IcvlSource final : public FrameSource {
 
   std::int64_t size() const override { return images_.size(); }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
 
  private:
+  std::optional<HandPose> truth_of(const LabelledImages::Entry& entry) const;
+
   LabelledImages images_;
 };
 

@@ -113,6 +113,11 @@ std::optional<HandPose> Msra15Source::read_truth(const Gesture& gesture, const s
   return known_or_nothing(pose_from_camera(convention_from_name("msra21"), xyz, projection_));
 }
 
+FrameLabel Msra15Source::read_label(std::int64_t index) const {
+  const Entry& entry = entries_.at(static_cast<std::size_t>(index));
+  return {kCamera, read_truth(gestures_[entry.gesture], entry.name)};
+}
+
 Frame Msra15Source::read(std::int64_t index) const {
   const Entry& entry = entries_.at(static_cast<std::size_t>(index));
   const Gesture& gesture = gestures_[entry.gesture];

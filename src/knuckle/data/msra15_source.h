@@ -21,6 +21,7 @@ class Msra15Source final : public FrameSource {
 
   std::int64_t size() const override { return static_cast<std::int64_t>(entries_.size()); }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
 
  private:

@@ -44,6 +44,18 @@ std::optional<Convention> NyuSource::convention() const {
   return convention_from_name("nyu14");
 }
 
+std::optional<HandPose> NyuSource::read_truth(const std::string& name) const {
+  if (!truth_) return std::nullopt;
+  // The number in the name, which counts from 1, is the row of the label.
+  const std::string digits = without_extension(name).substr(prefix_.size());
+  const long long number = parse_integer(digits, (folder_ / name).string());
+  return known_or_nothing(truth_->pose(number - 1));
+}
+
+FrameLabel NyuSource::read_label(std::int64_t index) const {
+  return {kCamera, read_truth(names_.at(static_cast<std::size_t>(index)))};
+}
+
 Frame NyuSource::read(std::int64_t index) const {
   const std::string& name = names_.at(static_cast<std::size_t>(index));
   const fs::path path = folder_ / name;
@@ -53,11 +65,7 @@ Frame NyuSource::read(std::int64_t index) const {
   const Image<Rgb> pixels = read_png_rgb(path);
   require_size(pixels, kCamera.width, kCamera.height, path);
   frame.depth_mm = decoded(pixels);
-  if (truth_) {
-    // The number in the name, which counts from 1, is the row of the label.
-    const long long number = parse_integer(frame.name.substr(prefix_.size()), path.string());
-    frame.truth = known_or_nothing(truth_->pose(number - 1));
-  }
+  frame.truth = read_truth(name);
   return frame;
 }
 

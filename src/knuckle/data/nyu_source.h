@@ -27,9 +27,12 @@ class NyuSource final : public FrameSource {
 
   std::int64_t size() const override { return static_cast<std::int64_t>(names_.size()); }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
 
  private:
+  std::optional<HandPose> read_truth(const std::string& name) const;
+
   std::filesystem::path folder_;
   std::string prefix_;              ///< "depth_V_"
   std::vector<std::string> names_;  ///< of the images of the view

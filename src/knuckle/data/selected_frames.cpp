@@ -22,9 +22,17 @@ SelectedFrames::SelectedFrames(std::unique_ptr<FrameSource> source, const FrameS
   size_ = std::min<std::int64_t>(selection.count, (available + selection.step - 1) / selection.step);
 }
 
-Frame SelectedFrames::read(std::int64_t index) const {
+std::int64_t SelectedFrames::index_in_source(std::int64_t index) const {
   if (index < 0 || index >= size_) fail("frame {} is out of range: {} frames are selected", index, size_);
-  return source_->read(selection_.first + index * selection_.step);
+  return selection_.first + index * selection_.step;
+}
+
+Frame SelectedFrames::read(std::int64_t index) const {
+  return source_->read(index_in_source(index));
+}
+
+FrameLabel SelectedFrames::read_label(std::int64_t index) const {
+  return source_->read_label(index_in_source(index));
 }
 
 std::unique_ptr<FrameSource> select_frames(std::unique_ptr<FrameSource> source,

@@ -30,10 +30,13 @@ class SelectedFrames final : public FrameSource {
 
   std::int64_t size() const override { return size_; }
   Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override { return source_->convention(); }
   PixelOrigin pixel_origin() const override { return source_->pixel_origin(); }
 
  private:
+  std::int64_t index_in_source(std::int64_t index) const;
+
   std::unique_ptr<FrameSource> source_;
   FrameSelection selection_;
   std::int64_t size_;

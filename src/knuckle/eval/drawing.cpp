@@ -25,13 +25,6 @@ constexpr std::array<Rgb, 5> kDepthColours = {{
     {0xf4, 0xea, 0xdc},
 }};
 
-Rgb mixed(const Rgb& from, const Rgb& to, double share) {
-  const auto channel = [&](std::uint8_t a, std::uint8_t b) {
-    return static_cast<std::uint8_t>(std::lround(a + share * (b - a)));
-  };
-  return {channel(from.red, to.red), channel(from.green, to.green), channel(from.blue, to.blue)};
-}
-
 /// The colour of `nearness` in [0, 1].
 Rgb depth_colour(double nearness) {
   const double place = std::clamp(nearness, 0.0, 1.0) * (kDepthColours.size() - 1);
@@ -92,6 +85,13 @@ void draw_with(cv::Mat& canvas, const HandPose& pose, const PictureMap& to_pictu
 
 }  // namespace
 
+Rgb mixed(const Rgb& from, const Rgb& to, double share) {
+  const auto channel = [&](std::uint8_t a, std::uint8_t b) {
+    return static_cast<std::uint8_t>(std::lround(a + share * (b - a)));
+  };
+  return {channel(from.red, to.red), channel(from.green, to.green), channel(from.blue, to.blue)};
+}
+
 Image<Rgb> colour_mapped(const Image<float>& depth_mm, const DepthRange& range) {
   const double span_mm = std::max(range.far_mm - range.near_mm, 1e-6);
   Image<Rgb> picture(depth_mm.width(), depth_mm.height(), kNoMeasurement);
@@ -124,13 +124,36 @@ Image<Rgb> picture_of(const Image<float>& depth_mm, const View& view, const Dept
     const auto source = depth_mm.row(row).subspan(inside.x, inside.width);
     std::ranges::copy(source, cropped.row(row - view.crop.y).begin() + (inside.x - view.crop.x));
   }
-  Image<Rgb> mapped = colour_mapped(cropped, range);
-  Image<Rgb> picture(view.width(), view.height());
-  cv::Mat enlarged = as_matrix(picture);
-  const bool shrinks = view.scale < 1.0;
-  cv::resize(as_matrix(mapped), enlarged, enlarged.size(), 0, 0,
-             shrinks ? cv::INTER_AREA : cv::INTER_NEAREST);
-  return picture;
+  return resized(colour_mapped(cropped, range), view.width(), view.height());
+}
+
+Image<Rgb> resized(const Image<Rgb>& picture, int width, int height) {
+  Image<Rgb> original = picture;
+  Image<Rgb> result(width, height);
+  cv::Mat canvas = as_matrix(result);
+  const bool shrinks = width < picture.width();
+  cv::resize(as_matrix(original), canvas, canvas.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_NEAREST);
+  return result;
+}
+
+void draw_box(Image<Rgb>& picture, const Box& box, const View& view, const Rgb& colour) {
+  const PictureMap to_picture(view);
+  const cv::Point first = to_picture({box.x - 0.5, box.y - 0.5, 0.0});
+  const cv::Point last = to_picture({box.right() - 0.5, box.bottom() - 0.5, 0.0});
+  cv::Mat canvas = as_matrix(picture);
+  cv::rectangle(canvas, first, last, scalar(kRim), 4, cv::LINE_AA, kSubpixelBits);
+  cv::rectangle(canvas, first, last, scalar(colour), 2, cv::LINE_AA, kSubpixelBits);
+}
+
+void draw_text(Image<Rgb>& picture, std::string_view text, int x, int y) {
+  constexpr double kSize = 0.38;  // of OpenCV's letters: capitals of 8 px
+  const std::string letters(text);
+  cv::Mat canvas = as_matrix(picture);
+  const auto write = [&](const Rgb& colour, int width) {
+    cv::putText(canvas, letters, {x, y}, cv::FONT_HERSHEY_SIMPLEX, kSize, scalar(colour), width, cv::LINE_AA);
+  };
+  write(kRim, 3);
+  write(kDepthColours.back(), 1);
 }
 
 void draw_skeleton(Image<Rgb>& picture, const HandPose& pose, const View& view, const Rgb& colour) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "knuckle/core/box.h"
@@ -49,6 +50,19 @@ Image<Rgb> picture_of(const Image<float>& depth_mm, const View& view, const Dept
 /// Draws the bones and joints of a pose (skeleton_of its convention) over a picture of `view`, anti-aliased,
 /// with a dark rim that keeps them apart from bright ground. Missing joints and their bones are left out.
 void draw_skeleton(Image<Rgb>& picture, const HandPose& pose, const View& view, const Rgb& colour);
+
+/// Draws the outline of a part of the image over a picture of `view`.
+void draw_box(Image<Rgb>& picture, const Box& box, const View& view, const Rgb& colour);
+
+/// Writes small light letters with a dark rim, their lower left corner at (x, y) [px of the picture]. ASCII
+/// only.
+void draw_text(Image<Rgb>& picture, std::string_view text, int x, int y);
+
+/// The colour `share` of the way from one to the other, in [0, 1].
+Rgb mixed(const Rgb& from, const Rgb& to, double share);
+
+/// The picture at another size, at least 1 x 1: smoothed where it shrinks.
+Image<Rgb> resized(const Image<Rgb>& picture, int width, int height);
 
 /// The whole frame as a picture for people, with its true skeleton where it has one; small images are
 /// enlarged.

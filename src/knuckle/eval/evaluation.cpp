@@ -73,18 +73,11 @@ Truth truth_from_file(const std::filesystem::path& path, const std::optional<Con
 Truth truth_from_source(const FrameSource& source, const std::string& name) {
   const std::optional<Convention> convention = source.convention();
   if (!convention) fail("{}: this source has no truth to compare with", name);
-  struct Label {
-    HandPose pose;
-    Camera camera;
-  };
-  std::vector<Label> labels(static_cast<std::size_t>(source.size()));
-  parallel_for(source.size(), [&](std::int64_t i) {
-    Frame frame = source.read(i);
-    labels[i] = {frame.truth ? std::move(*frame.truth) : HandPose::missing(*convention), frame.camera};
-  });
+  std::vector<FrameLabel> labels(static_cast<std::size_t>(source.size()));
+  parallel_for(source.size(), [&](std::int64_t i) { labels[i] = source.read_label(i); });
   Truth truth{{name, *convention, {}}, {}};
-  for (Label& label : labels) {
-    truth.sequence.poses.push_back(std::move(label.pose));
+  for (FrameLabel& label : labels) {
+    truth.sequence.poses.push_back(label.truth ? std::move(*label.truth) : HandPose::missing(*convention));
     truth.projections.emplace_back(label.camera);
   }
   merge_equal_projections(truth.projections);

@@ -34,8 +34,8 @@ Camera camera_from_text(std::string_view text);
 Truth truth_from_file(const std::filesystem::path& path, const std::optional<Convention>& convention,
                       const Camera& camera, PixelOrigin origin = PixelOrigin::centre);
 
-/// Truth from a source's labels; reads every frame. `name` is the source's, for messages. Throws an Error
-/// where the source has no truth.
+/// Truth from a source's labels; opens no image where the source can do without. `name` is the source's, for
+/// messages. Throws an Error where the source has no truth.
 Truth truth_from_source(const FrameSource& source, const std::string& name);
 
 /// One `NAME=PATH` of the option `--predictions`.

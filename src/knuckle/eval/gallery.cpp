@@ -88,6 +88,7 @@ class FramePictures {
     if (!reason.empty()) row.caption += ": " + reason;
     row.shows_truth = truth_ != nullptr && !truth_->is_missing();
     const View view = hand_view();
+    if (!row.shows_truth && !frame_.depth_mm.empty()) row.pictures.push_back(overview(view.crop));
     const Image<Rgb> ground = picture_of(frame_.depth_mm, view, hand_depths(view));
     for (std::size_t method = 0; method < input_.methods.size(); ++method) {
       row.pictures.push_back(method_picture(ground, view, method));
@@ -156,6 +157,15 @@ class FramePictures {
     }
     if (depths.empty()) return depth_range_in(frame_.depth_mm, view.crop);
     return {std::ranges::min(depths) - kBefore, std::ranges::max(depths) + kBehind};
+  }
+
+  /// The whole frame, with the outline of the part that the other pictures show. Without truth these follow
+  /// the estimate, and a wrong one can only be seen from here.
+  GalleryPicture overview(const Box& shown) const {
+    const View view = whole_view();
+    Image<Rgb> picture = picture_of(frame_.depth_mm, view, depth_range_in(frame_.depth_mm, view.crop));
+    if (shown != view.crop) draw_box(picture, shown, view, kEstimateColour);
+    return {"whole frame", "", std::move(picture)};
   }
 
   GalleryPicture truth_picture(Image<Rgb> picture, const View& view) const {

@@ -46,7 +46,8 @@ struct GalleryInput {
 };
 
 /// Pictures of chosen frames, cropped around the hand: true skeleton in one colour, estimated one in another.
-/// Frames are read on all threads.
+/// Without truth the crop follows the estimates, so the whole frame stands before it, with the crop's
+/// outline. Frames are read on all threads.
 std::vector<GalleryRow> make_gallery(const GalleryInput& input, const GalleryOptions& options = {});
 
 }  // namespace knuckle

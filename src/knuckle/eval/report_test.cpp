@@ -5,6 +5,7 @@
 
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/eval/drawing.h"
 #include "knuckle/eval/eval_fixtures.h"
 #include "knuckle/eval/html.h"
 #include "knuckle/eval/score_figures.h"
@@ -36,7 +37,7 @@ std::string body_of(const std::string& page) {
   for (std::size_t i = body.find("<br>"); i != std::string::npos; i = body.find("<br>"))
     body.replace(i, 4, "<br/>");
   for (std::size_t i = body.find("<img "); i != std::string::npos; i = body.find("<img ", i + 1)) {
-    body.insert(body.find('>', i), "/");
+    body.insert(body.find('>', i), 1, '/');
   }
   return body;
 }
@@ -117,9 +118,15 @@ TEST_F(ReportTest, WithoutTruthThereIsAGallery) {
   const std::span<const Predictions> first(methods_.data(), 1);
   report.gallery = make_gallery({&source, nullptr, nullptr, first}, {4, 1, 128});
   EXPECT_EQ(report.gallery.size(), 4u);
+  for (const GalleryRow& row : report.gallery) {
+    ASSERT_EQ(row.pictures.size(), 2u);
+    EXPECT_EQ(row.pictures[0].caption, "whole frame");
+    const auto is_outline = [](const Rgb& pixel) { return pixel == kEstimateColour; };
+    EXPECT_TRUE(std::ranges::any_of(row.pictures[0].picture.pixels(), is_outline)) << "where the crop lies";
+  }
   const std::string html = read_text_file(write_report(report, folder_ / "plain"));
   EXPECT_TRUE(is_well_formed_xml(body_of(html)));
-  EXPECT_EQ(count_of(html, "<img "), 4);
+  EXPECT_EQ(count_of(html, "<img "), 8);
   EXPECT_THAT(html, Not(HasSubstr("truth")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "plain" / "metrics.json"));
 }

@@ -90,6 +90,7 @@ Manifest load_manifest(const std::filesystem::path& path) {
   } catch (const Error& error) {
     fail("{}: [camera]: {}", path.string(), error.what());
   }
+  manifest.resolved = table.resolved_toml();
   return manifest;
 }
 

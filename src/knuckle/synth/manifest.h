@@ -44,6 +44,7 @@ struct Manifest {
   MotionOptions motion;
   PlacementOptions placement;
   SensorOptions sensor;
+  std::string resolved;  ///< the manifest as TOML with every default filled in
 
   void visit(OptionVisitor& visitor);  ///< the keys outside tables: seed, frames
 };

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "knuckle/core/frame.h"
+
+namespace knuckle {
+
+/// A frame as it will stand in a Knuckle dataset: its images as chunks of the file, compressed.
+struct StoredFrame {
+  Camera camera;
+  std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};  ///< 22 x 3 in camera coordinates; NaN
+  std::vector<std::uint8_t> depth;                                ///< counts, shuffled and deflated
+  std::vector<std::uint8_t> infrared;                             ///< the same; empty where there is none
+  std::vector<std::uint8_t> mask;                                 ///< deflated; empty where there is none
+};
+
+/// Encodes a frame; the costly part of writing it. Throws an Error that starts with `where` where a depth
+/// exceeds what 16 bits hold.
+StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where);
+
+/// As one piece, for a FrameLog of this program.
+std::vector<std::uint8_t> to_bytes(const StoredFrame& frame);
+/// The frame from the bytes that `to_bytes` made.
+StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes);
+
+}  // namespace knuckle

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendering that is killed, or whose disk fills up, goes on later and makes what an undisturbed one makes.
+#include "program.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <sys/mount.h>
+
+#include "knuckle/core/file_io.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDemoManifest = "manifests/demo.toml";
+constexpr int kKilled = 128 + 9;
+
+std::uintmax_t size_of(const fs::path& path) {
+  std::error_code missing;
+  const std::uintmax_t size = fs::file_size(path, missing);
+  return missing ? 0 : size;
+}
+
+std::vector<std::string> rendering(const std::string& out, const std::string& manifest = kDemoManifest) {
+  return {"render", "--manifest", manifest, "--out", out};
+}
+
+class InterruptionTest : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_THAT(run_program(rendering(path("whole.h5"))), Succeeded()); }
+
+  std::string path(const std::string& name) const { return folder_ / name; }
+
+  bool is_like_whole(const std::string& file) const {
+    return read_text_file(path("whole.h5")) == read_text_file(file);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(InterruptionTest, AKilledRenderingGoesOn) {
+  const std::string out = path("set.h5");
+  const std::uintmax_t whole = size_of(path("whole.h5"));
+  int killed = 0;
+  for (const double part : {0.0, 0.05, 0.3, 0.6, 0.9}) {
+    fs::remove(out);
+    fs::remove(out + ".partial");
+    const auto limit = static_cast<std::uintmax_t>(part * static_cast<double>(whole));
+    const ProgramRun run =
+        run_program_until([&] { return size_of(out + ".partial") > limit; }, rendering(out));
+    if (run.status == kKilled) {
+      ++killed;
+      EXPECT_FALSE(fs::exists(out)) << "a part of a file stands under the final name";
+      EXPECT_THAT(run_program({"inspect", "--source", "h5:" + out + ".partial"}), FailedWith("unfinished"));
+    }
+    ASSERT_THAT(run_program(rendering(out)), Succeeded());
+    EXPECT_TRUE(is_like_whole(out)) << "killed at " << limit << " bytes";
+    EXPECT_FALSE(fs::exists(out + ".partial"));
+  }
+  EXPECT_GE(killed, 3) << "the program ended before it could be killed";
+}
+
+TEST_F(InterruptionTest, KilledAgainAndAgainItComesToAnEnd) {
+  const std::string out = path("set.h5");
+  std::uintmax_t kept = 0;
+  for (int i = 0; i < 5 && !fs::exists(out); ++i) {
+    run_program_until([&] { return size_of(out + ".partial") > kept + 60000; }, rendering(out));
+    if (fs::exists(out + ".partial")) {
+      EXPECT_GT(size_of(out + ".partial"), kept) << "a run lost what those before it had written";
+      kept = size_of(out + ".partial");
+    }
+  }
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+}
+
+TEST_F(InterruptionTest, KilledWhileItPutsTheFileTogetherItDoesSoAgain) {
+  const std::string out = path("set.h5");
+  run_program_until([&] { return fs::exists(out + ".assembled"); }, rendering(out));
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains(HasSubstr(".assembled"))));
+}
+
+TEST_F(InterruptionTest, ARemainderOfAnotherManifestIsRefused) {
+  const std::string out = path("set.h5");
+  const ProgramRun run = run_program_until([&] { return size_of(out + ".partial") > 30000; }, rendering(out));
+  ASSERT_EQ(run.status, kKilled);
+  std::string manifest = read_text_file(kDemoManifest);
+  write_text_file(path("other.toml"), manifest.replace(manifest.find("seed = 1"), 8, "seed = 2"));
+  EXPECT_THAT(run_program(rendering(out, path("other.toml"))),
+              FailedWith("set.h5.partial: is left from a run with "
+                         "another manifest"));
+  std::vector<std::string> fewer = rendering(out);
+  fewer.insert(fewer.end(), {"--count", "7"});
+  EXPECT_THAT(run_program(fewer),
+              FailedWith("set.h5.partial: is left from a run with another manifest or other"));
+  EXPECT_FALSE(fs::exists(out));
+  ASSERT_THAT(run_program(rendering(out)), Succeeded()) << "the refusals did no harm";
+  EXPECT_TRUE(is_like_whole(out));
+}
+
+TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
+  const std::string out = path("set.h5");
+  const auto kilobytes = static_cast<int>(size_of(path("whole.h5")) / 2000);
+  EXPECT_THAT(run_program_on_full_disk(kilobytes, rendering(out)), FailedWith("set.h5"));
+  EXPECT_FALSE(fs::exists(out));
+  EXPECT_GT(size_of(out + ".partial"), 0u) << "what was written is kept";
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+}
+
+/// A disk of its own, in memory; needs a privilege that not every machine grants.
+class SmallDisk {
+ public:
+  explicit SmallDisk(fs::path place) : place_(std::move(place)) { make_folder(place_); }
+  ~SmallDisk() { ::umount(place_.c_str()); }
+
+  bool mount(int kilobytes, unsigned long flags = 0) const {
+    const std::string size = fmt::format("size={}k", kilobytes);
+    return ::mount("tmpfs", place_.c_str(), "tmpfs", flags, size.c_str()) == 0;
+  }
+
+ private:
+  fs::path place_;
+};
+
+TEST_F(InterruptionTest, ARealDiskThatFillsUpIsOneLineAndTheNextRunGoesOn) {
+  const auto whole = static_cast<int>(size_of(path("whole.h5")) / 1000);
+  const SmallDisk disk(path("disk"));
+  if (!disk.mount(whole / 2)) GTEST_SKIP() << "no disk can be mounted here: " << std::strerror(errno);
+  const std::string out = path("disk/set.h5");
+  EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while frames are rendered";
+  EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
+  ASSERT_TRUE(disk.mount(whole * 3 / 2, MS_REMOUNT));
+  EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while the file is put together";
+  EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
+  ASSERT_TRUE(disk.mount(whole * 4, MS_REMOUNT));
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
