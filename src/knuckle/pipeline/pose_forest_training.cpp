@@ -6,18 +6,11 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
-#include "knuckle/data/source_spec.h"
 #include "knuckle/pipeline/open_source.h"
+#include "knuckle/pipeline/training_source.h"
 
 namespace knuckle {
 namespace {
-
-/// A relative path in a configuration starts at the configuration's folder.
-std::string source_beside(const OptionTable& document, const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) return text;  // the opener says what is wrong with it
-  return text.substr(0, colon + 1) + document.resolved_path(text.substr(colon + 1)).string();
-}
 
 Convention convention_of(const OptionTable& document) {
   const std::string name = document.text_or("convention", "icg20");
@@ -82,7 +75,7 @@ class PatchCollector {
 
 PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
-  PoseForestTrainingConfig config{.source = source_beside(document, document.required_text("source")),
+  PoseForestTrainingConfig config{.source = training_source(document),
                                   .convention = convention_of(document),
                                   .start = start_from_name(document.choice_or("start", "truth", kStartNames)),
                                   .finder = HandFinder(document),
