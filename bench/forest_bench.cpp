@@ -37,15 +37,15 @@ RegressionForest random_forest(int depth) {
   const std::int32_t inner = (1 << depth) - 1;
   std::int32_t leaf = 0;
   for (int tree = 0; tree < kTrees; ++tree) {
-    const auto root = static_cast<std::int32_t>(parts.nodes.size());
-    parts.roots.push_back(static_cast<std::uint32_t>(root));
+    const auto root = static_cast<std::int32_t>(parts.trees.nodes.size());
+    parts.trees.roots.push_back(static_cast<std::uint32_t>(root));
     for (std::int32_t i = 0; i < inner; ++i) {
       const auto first = static_cast<std::uint16_t>(random.below(kPixels));
       const auto second = static_cast<std::uint16_t>(random.below(kPixels));
       const auto threshold = static_cast<std::int16_t>(random.uniform(-1000.0, 1000.0));
-      parts.nodes.push_back({root + 2 * i + 1, first, second, threshold});
+      parts.trees.nodes.push_back({root + 2 * i + 1, {first, second}, threshold});
     }
-    for (std::int32_t i = 0; i <= inner; ++i) parts.nodes.push_back({~leaf++, 0, 0, 0});
+    for (std::int32_t i = 0; i <= inner; ++i) parts.trees.nodes.push_back({~leaf++, {}, 0});
   }
   std::vector<std::uint16_t> codes(static_cast<std::size_t>(leaf) * kTargets);
   for (std::uint16_t& code : codes) code = static_cast<std::uint16_t>(random());

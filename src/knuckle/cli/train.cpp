@@ -3,8 +3,11 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/file_io.h"
+#include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/pose_forest_training.h"
+#include "knuckle/pipeline/segmentation_forest_training.h"
 #include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/segment/segmentation_forest.h"
 
 namespace knuckle::cli {
 namespace {
@@ -17,12 +20,12 @@ struct TrainArguments {
 
 /// Where a training keeps what is done. A fresh one starts without what an earlier one left.
 std::filesystem::path checkpoint_of(const TrainArguments& arguments) {
-  std::filesystem::path checkpoint = arguments.out.string() + ".checkpoint";
-  if (!arguments.resume) std::filesystem::remove(checkpoint);
+  const std::filesystem::path checkpoint = arguments.out.string() + ".checkpoint";
+  if (!arguments.resume) remove_checkpoint(checkpoint);
   return checkpoint;
 }
 
-void train_forest(const TrainArguments& arguments) {
+void train_pose_forest(const TrainArguments& arguments) {
   const auto config = PoseForestTrainingConfig::load(arguments.config);
   const Stopwatch watch;
   const PoseForestTraining training = run_training(config, checkpoint_of(arguments));
@@ -34,21 +37,47 @@ void train_forest(const TrainArguments& arguments) {
              arguments.out.string());
 }
 
+void train_segmentation_forest(const TrainArguments& arguments) {
+  const auto config = SegmentationForestTrainingConfig::load(arguments.config);
+  const Stopwatch watch;
+  TrainingRun run{.checkpoint = checkpoint_of(arguments)};
+  run.tree_done = [&](int trees) {
+    fmt::print("tree {} of {} done after {:.1f} s\n", trees, config.forest.trees,
+               watch.milliseconds() / 1000.0);
+    std::fflush(stdout);
+  };
+  const SegmentationForestTraining training = run_training(config, run);
+  save_segmentation_forest(arguments.out, training.forest);
+  write_resolved_options(arguments.out, config.resolved_options);
+  fmt::print(
+      "{} pixels of {} frames ({:.2f} GB, collected in {:.1f} s), {} nodes, {:.1f} s: {} ({:.2f} MB)\n",
+      training.samples, training.frames, static_cast<double>(training.sample_bytes) / 1e9,
+      training.collection_s, training.forest.parts().trees.nodes.size(), watch.milliseconds() / 1000.0,
+      arguments.out.string(), static_cast<double>(std::filesystem::file_size(arguments.out)) / 1e6);
+}
+
+/// Adds `train NAME`, all of whose kinds are told the same.
+void add_kind(CLI::App& train, const std::string& name, const std::string& description,
+              const std::string& config, void (*run)(const TrainArguments& arguments)) {
+  CLI::App& verb = add_verb(train, name, description,
+                            fmt::format("knuckle train {} --config {} --out forest.h5", name, config));
+  auto arguments = std::make_shared<TrainArguments>();
+  verb.add_option("--config", arguments->config, "Source and options of the training")->required();
+  verb.add_option("--out", arguments->out, "File for the model")->required();
+  verb.add_flag("--resume", arguments->resume,
+                "Go on where a training of the same configuration was stopped");
+  verb.callback([arguments, run] { run(*arguments); });
+}
+
 }  // namespace
 
 void add_train(CLI::App& program) {
   CLI::App& train = *program.add_subcommand("train", "Train a model");
   train.require_subcommand(1);
-  CLI::App& forest =
-      add_verb(train, "pose-forest", "Train a regression forest that infers poses from patches",
-               "knuckle train pose-forest --config pipelines/train_pose_forest.toml --out forest.h5");
-  auto arguments = std::make_shared<TrainArguments>();
-  forest.add_option("--config", arguments->config, "Source, segmentation, patch and forest options")
-      ->required();
-  forest.add_option("--out", arguments->out, "File for the model")->required();
-  forest.add_flag("--resume", arguments->resume,
-                  "Go on where a training of the same configuration was stopped");
-  forest.callback([arguments] { train_forest(*arguments); });
+  add_kind(train, "pose-forest", "Train a regression forest that infers poses from patches",
+           "pipelines/train_pose_forest.toml", train_pose_forest);
+  add_kind(train, "segmentation-forest", "Train a forest that finds hands by their pixels",
+           "pipelines/train_segmentation_forest.toml", train_segmentation_forest);
 }
 
 }  // namespace knuckle::cli

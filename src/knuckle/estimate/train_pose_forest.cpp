@@ -57,12 +57,12 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
                                   const std::filesystem::path& checkpoint) {
   check_options(options, "pose forest training");
-  TrainingRun run;
-  run.checkpoint = checkpoint;
+  std::vector<double> target_weights;
   for (std::size_t joint = 0; joint < set.convention().landmarks.size(); ++joint) {
-    run.target_weights.insert(run.target_weights.end(), {1.0, 1.0, options.depth_weight});
+    target_weights.insert(target_weights.end(), {1.0, 1.0, options.depth_weight});
   }
-  return {set.convention(), set.statistics(), train_regression_forest(set.samples(), options.forest, run)};
+  return {set.convention(), set.statistics(),
+          train_regression_forest(set.samples(), options.forest, {.checkpoint = checkpoint}, target_weights)};
 }
 
 }  // namespace knuckle

@@ -2,10 +2,12 @@
 // Helpers for tests only; not part of the library.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "knuckle/core/random.h"
+#include "knuckle/forest/pixel_samples.h"
 #include "knuckle/forest/training_samples.h"
 
 namespace knuckle::testing {
@@ -45,5 +47,57 @@ struct RandomRows {
     return samples_at(place);
   }
 };
+
+/// A depth image of balls before a slanted wall with holes; class 1 is a ball.
+struct BallScene {
+  Image<float> depth_mm;
+  Camera camera;
+  std::vector<LabelledPixel> pixels;
+
+  explicit BallScene(std::uint64_t seed, int width = 61, int height = 47, int pixels_a_class = 40)
+      : depth_mm(width, height),
+        camera{.width = width, .height = height, .fx = 60.0, .fy = -58.0, .cx = 30.0, .cy = 22.0} {
+    Random random(seed);
+    const double x = random.uniform(0.2, 0.8) * width;
+    const double y = random.uniform(0.2, 0.8) * height;
+    const double distance = random.uniform(500.0, 900.0);
+    const double radius = 60.0 * 80.0 / distance;
+    std::vector<LabelledPixel> of_class[2];
+    for (int row = 0; row < height; ++row) {
+      for (int column = 0; column < width; ++column) {
+        const double inside = 1.0 - (std::pow(column - x, 2.0) + std::pow(row - y, 2.0)) / (radius * radius);
+        const bool is_ball = inside > 0.0;
+        const double depth = is_ball ? distance - 50.0 * std::sqrt(inside) : 1000.0 + 4.0 * column;
+        if (!is_ball && random.uniform() < 0.3) continue;
+        depth_mm(column, row) = static_cast<float>(depth + random.uniform(-3.0, 3.0));
+        of_class[is_ball ? 1 : 0].push_back({static_cast<std::int16_t>(column),
+                                             static_cast<std::int16_t>(row),
+                                             static_cast<std::uint8_t>(is_ball ? 1 : 0)});
+      }
+    }
+    for (const std::vector<LabelledPixel>& all : of_class) {
+      for (int i = 0; i < pixels_a_class && !all.empty(); ++i) {
+        pixels.push_back(all[random.below(static_cast<std::uint32_t>(all.size()))]);
+      }
+    }
+  }
+};
+
+inline std::vector<BallScene> ball_scenes(int count) {
+  std::vector<BallScene> scenes;
+  for (int i = 0; i < count; ++i) scenes.emplace_back(static_cast<std::uint64_t>(i));
+  return scenes;
+}
+
+/// The scenes as training samples, scene i at place[i] (or i where `place` is empty).
+inline PixelSamples samples_of(const std::vector<BallScene>& scenes,
+                               const std::vector<std::int64_t>& place = {}) {
+  PixelSamples samples(std::ssize(scenes));
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    samples.set(place.empty() ? static_cast<std::int64_t>(i) : place[i], scenes[i].depth_mm, scenes[i].camera,
+                scenes[i].pixels);
+  }
+  return samples;
+}
 
 }  // namespace knuckle::testing

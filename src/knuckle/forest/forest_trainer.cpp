@@ -3,21 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
-#include "knuckle/core/progress.h"
 #include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/scoring_targets.h"
 #include "knuckle/forest/split_score.h"
-#include "knuckle/forest/tree_grower.h"
 
 namespace knuckle {
 
@@ -31,8 +25,6 @@ constexpr int kExactBits = 32;
 constexpr double kGigabyte = 1e9;
 /// Samples in a thread's working memory for small nodes.
 constexpr double kSmallNodes = 2048.0;
-constexpr std::string_view kCheckpointFormat = "knuckle-forest-checkpoint";
-constexpr int kCheckpointVersion = 1;
 
 /// The mean of the targets of all samples that reach each leaf: one row a leaf, in the order of the nodes.
 std::vector<float> leaf_means(const TrainingSamples& samples, const Tree& tree,
@@ -56,19 +48,7 @@ std::vector<float> leaf_means(const TrainingSamples& samples, const Tree& tree,
 
 /// Adds a tree behind those there are; leaves stay exact until the forest is whole.
 void append_tree(Parts& parts, const TrainingSamples& samples, const Tree& tree) {
-  const auto root = static_cast<std::int32_t>(parts.nodes.size());
-  auto next_leaf = static_cast<std::int32_t>(parts.leaves.leaf_count());
-  parts.roots.push_back(static_cast<std::uint32_t>(root));
-  std::vector<std::size_t> leaves;
-  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    const GrownNode<PixelPair>& node = tree.nodes[i];
-    if (node.left >= 0) {
-      parts.nodes.push_back({root + node.left, node.feature.first, node.feature.second, node.threshold});
-    } else {
-      parts.nodes.push_back({~next_leaf++, 0, 0, 0});
-      leaves.push_back(i);
-    }
-  }
+  const std::vector<std::size_t> leaves = append_nodes(parts.trees, tree, parts.leaves.leaf_count());
   std::vector<float> means = parts.leaves.decoded();
   const std::vector<float> added = leaf_means(samples, tree, leaves);
   means.insert(means.end(), added.begin(), added.end());
@@ -76,51 +56,13 @@ void append_tree(Parts& parts, const TrainingSamples& samples, const Tree& tree)
 }
 
 /// All that the trees depend on, as text.
-std::string fingerprint_of(RegressionForestOptions options, const TrainingRun& run,
+std::string fingerprint_of(RegressionForestOptions options, std::span<const double> target_weights,
                            std::uint64_t samples_hash) {
   options.leaf_bits = kExactBits;  // neither this nor the memory changes a tree
   options.memory_gb = RegressionForestOptions{}.memory_gb;
   std::string text = options_as_toml(options);
-  for (const double weight : run.target_weights) text += fmt::format("weight {}\n", weight);
+  for (const double weight : target_weights) text += fmt::format("weight {}\n", weight);
   return text + fmt::format("samples {:016x}\n", samples_hash);
-}
-
-void write_checkpoint(const std::filesystem::path& path, const Parts& parts, const std::string& fingerprint) {
-  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    Hdf5File file = Hdf5File::create(temporary);
-    file.set_attribute("format", kCheckpointFormat);
-    file.set_attribute("version", double{kCheckpointVersion});
-    file.set_attribute("fingerprint", fingerprint);
-    write_forest(file, RegressionForest(parts, path.string()));
-    file.close();
-  });
-}
-
-std::optional<Parts> read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint) {
-  if (path.empty() || !std::filesystem::exists(path)) return std::nullopt;
-  const Hdf5File file = Hdf5File::open(path);
-  file.require_format(kCheckpointFormat, kCheckpointVersion);
-  if (file.text_attribute("fingerprint") != fingerprint) {
-    fail("{}: this checkpoint belongs to a training with other options or samples; remove it to start anew",
-         path.string());
-  }
-  return read_forest(file).parts();
-}
-
-/// Grows the trees that `parts` lacks, scoring with kLanes - 1 dimensions.
-template <int kLanes>
-void grow_trees(Parts& parts, const TrainingSamples& samples, std::span<const std::uint32_t> order,
-                const ScoringTargets& scoring, const RegressionForestOptions& options,
-                const std::function<void(const Parts&)>& tree_done) {
-  const PixelPairFeatures features(samples);
-  const VarianceStatistics<kLanes> statistics(scoring);
-  Progress progress("train forest", "levels", std::int64_t{options.trees} * options.tree.max_depth);
-  progress.advance(std::ssize(parts.roots) * options.tree.max_depth);
-  TreeGrower<PixelPairFeatures, VarianceStatistics<kLanes>> grower(features, statistics, options.tree);
-  for (std::size_t tree = parts.roots.size(); tree < static_cast<std::size_t>(options.trees); ++tree) {
-    append_tree(parts, samples, grower.grow(order, derived_seed(options.tree.seed, tree), progress));
-    tree_done(parts);
-  }
 }
 
 }  // namespace
@@ -161,7 +103,8 @@ void check_training_memory(std::int64_t samples, int features, int targets,
 }
 
 RegressionForest train_regression_forest(const TrainingSamples& samples,
-                                         const RegressionForestOptions& options, const TrainingRun& run) {
+                                         const RegressionForestOptions& options, const TrainingRun& run,
+                                         std::span<const double> target_weights) {
   check_options(options, "forest training");
   if (options.leaf_bits != 8 && options.leaf_bits != 16 && options.leaf_bits != 32) {
     fail("forest training: leaf_bits is {}, expected 8, 16 or 32", options.leaf_bits);
@@ -170,18 +113,24 @@ RegressionForest train_regression_forest(const TrainingSamples& samples,
   check_training_memory(samples.capacity(), samples.feature_count(), samples.target_count(), options);
   const TrainingSamples::CanonicalOrder order = samples.canonical_order();
   const ScoringTargets scoring =
-      make_scoring_targets(samples, order.indices, run.target_weights, options.scoring_dimensions);
+      make_scoring_targets(samples, order.indices, target_weights, options.scoring_dimensions);
 
-  const std::string fingerprint = fingerprint_of(options, run, order.hash);
-  Parts parts = read_checkpoint(run.checkpoint, fingerprint).value_or(Parts{});
+  const std::string fingerprint = fingerprint_of(options, target_weights, order.hash);
+  Parts parts;
+  if (const auto file = open_checkpoint(run.checkpoint, fingerprint)) parts = read_forest(*file).parts();
   parts.feature_count = samples.feature_count();
   parts.quantizer = samples.quantizer();
-  const auto tree_done = [&](const Parts& grown) {
-    if (!run.checkpoint.empty()) write_checkpoint(run.checkpoint, grown, fingerprint);
-    if (run.tree_done) run.tree_done(static_cast<int>(grown.roots.size()));
+  const auto append = [&](const Tree& tree) {
+    append_tree(parts, samples, tree);
+    if (run.checkpoint.empty()) return;
+    write_checkpoint(run.checkpoint, fingerprint, [&](Hdf5File& file) {
+      write_forest(file, RegressionForest(parts, run.checkpoint.string()));
+    });
   };
+  const PixelPairFeatures features(samples);
   const auto grow = [&]<int kLanes>() {
-    grow_trees<kLanes>(parts, samples, order.indices, scoring, options, tree_done);
+    grow_trees(features, VarianceStatistics<kLanes>(scoring), options.tree, order.indices,
+               parts.trees.roots.size(), static_cast<std::size_t>(options.trees), run, fingerprint, append);
   };
   if (scoring.dimensions <= 7) {
     grow.template operator()<8>();
@@ -194,7 +143,7 @@ RegressionForest train_regression_forest(const TrainingSamples& samples,
   } else {
     grow.template operator()<96>();
   }
-  if (!run.checkpoint.empty()) std::filesystem::remove(run.checkpoint);
+  remove_checkpoint(run.checkpoint);
   return RegressionForest(std::move(parts), "forest training").with_leaf_bits(options.leaf_bits);
 }
 

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <vector>
+#include <span>
 
+#include "knuckle/forest/forest_growth.h"
 #include "knuckle/forest/regression_forest.h"
 #include "knuckle/forest/split_options.h"
 #include "knuckle/forest/training_samples.h"
@@ -23,17 +22,6 @@ struct RegressionForestOptions {
   void visit(OptionVisitor& visitor);
 };
 
-/// What training does beside the forest itself.
-struct TrainingRun {
-  /// Multiply the targets in the scores (not in the leaves), one a target; none: all 1.
-  std::vector<double> target_weights = {};
-  /// Where finished trees are kept, so that a stopped training goes on with the next tree; empty: nowhere.
-  /// The file is removed at the end. One of other options or samples is refused.
-  std::filesystem::path checkpoint = {};
-  /// Called after every tree with the number there are; may be empty.
-  std::function<void(int trees)> tree_done = {};
-};
-
 /// Memory that samples and training take at most, in bytes, for a number of samples, features and targets.
 /// The samples themselves are most of it.
 double training_memory(std::int64_t samples, int features, int targets,
@@ -44,10 +32,12 @@ double training_memory(std::int64_t samples, int features, int targets,
 void check_training_memory(std::int64_t samples, int features, int targets,
                            const RegressionForestOptions& options);
 
-/// Trains a forest. A leaf holds the mean of the targets of all samples of the tree that reach it. The result
-/// depends neither on the number of threads nor on the order of the samples. Throws an Error where no sample
-/// is set or memory_gb does not suffice.
+/// Trains a forest. A leaf holds the mean of the targets of all samples of the tree that reach it.
+/// `target_weights` multiply the targets in the scores (not in the leaves), one a target; none: all 1. The
+/// result depends neither on the number of threads nor on the order of the samples. Throws an Error where no
+/// sample is set or memory_gb does not suffice.
 RegressionForest train_regression_forest(const TrainingSamples& samples,
-                                         const RegressionForestOptions& options, const TrainingRun& run = {});
+                                         const RegressionForestOptions& options, const TrainingRun& run = {},
+                                         std::span<const double> target_weights = {});
 
 }  // namespace knuckle

@@ -30,13 +30,12 @@ RegressionForestOptions small_options() {
 }
 
 void expect_same(const RegressionForest& a, const RegressionForest& b) {
-  ASSERT_EQ(a.parts().roots, b.parts().roots);
-  ASSERT_EQ(a.parts().nodes.size(), b.parts().nodes.size());
-  for (std::size_t i = 0; i < a.parts().nodes.size(); ++i) {
-    const auto& x = a.parts().nodes[i];
-    const auto& y = b.parts().nodes[i];
-    ASSERT_TRUE(x.next == y.next && x.first == y.first && x.second == y.second && x.threshold == y.threshold)
-        << i;
+  ASSERT_EQ(a.parts().trees.roots, b.parts().trees.roots);
+  ASSERT_EQ(a.parts().trees.nodes.size(), b.parts().trees.nodes.size());
+  for (std::size_t i = 0; i < a.parts().trees.nodes.size(); ++i) {
+    const auto& x = a.parts().trees.nodes[i];
+    const auto& y = b.parts().trees.nodes[i];
+    ASSERT_TRUE(x.next == y.next && x.feature == y.feature && x.threshold == y.threshold) << i;
   }
   EXPECT_EQ(a.parts().leaves.decoded(), b.parts().leaves.decoded());
 }
@@ -120,17 +119,17 @@ TEST(TrainRegressionForest, SeedsAndTreesDiffer) {
   const TrainingSamples samples = RandomRows(300, 25, 3).samples();
   RegressionForestOptions options = small_options();
   const RegressionForest forest = train_regression_forest(samples, options);
-  const auto& nodes = forest.parts().nodes;
-  EXPECT_NE(nodes[0].threshold, nodes[forest.parts().roots[1]].threshold);
+  const auto& nodes = forest.parts().trees.nodes;
+  EXPECT_NE(nodes[0].threshold, nodes[forest.parts().trees.roots[1]].threshold);
   options.tree.seed = 2;
-  EXPECT_NE(nodes[0].threshold, train_regression_forest(samples, options).parts().nodes[0].threshold);
+  EXPECT_NE(nodes[0].threshold, train_regression_forest(samples, options).parts().trees.nodes[0].threshold);
 }
 
 TEST(TrainRegressionForest, ConstantTargetsGiveOneLeaf) {
   RandomRows rows(100, 10, 2);
   for (auto& target : rows.targets) target = {0.1F, -7.0F};
   const RegressionForest forest = train_regression_forest(rows.samples(), small_options());
-  EXPECT_EQ(forest.parts().nodes.size(), 3U);
+  EXPECT_EQ(forest.parts().trees.nodes.size(), 3U);
   EXPECT_EQ(forest.predict(rows.features[0]).mean, rows.targets[0]);
 }
 
@@ -145,7 +144,7 @@ TEST(TrainRegressionForest, KeepsDepthAndLeafSizes) {
   for (const auto& features : rows.features) ++reached[forest.leaves_of(features)[0]];
   for (const auto& [leaf, count] : reached) EXPECT_GE(count, 20) << leaf;
   options.tree.max_depth = 0;
-  EXPECT_EQ(train_regression_forest(rows.samples(), options).parts().nodes.size(), 1U);
+  EXPECT_EQ(train_regression_forest(rows.samples(), options).parts().trees.nodes.size(), 1U);
 }
 
 TEST(TrainRegressionForest, RefusesNoSamplesAndBadOptions) {

@@ -11,11 +11,7 @@ namespace knuckle {
 
 namespace {
 
-/// Samples copied in one go: a row of them is a cache line of the block.
-constexpr std::size_t kTileSamples = 32;
-/// Most samples of a chunk: a row of 1 kB, so that the 9216 of a patch of 96 x 96 lie on 2304 pages of
-/// memory.
-constexpr std::size_t kChunkSamples = 512;
+constexpr std::size_t kTileSamples = FeatureRows::kTileSamples;
 /// Side of the squares that are transposed in registers.
 constexpr std::size_t kSide = 8;
 
@@ -49,36 +45,15 @@ PixelPair PixelPairFeatures::draw(Random& random, int index, int count) const {
 }
 
 void PixelPairFeatures::gather(std::span<const std::uint32_t> samples, Loop loop, Block& block) const {
-  const std::size_t tiles = (samples.size() + kTileSamples - 1) / kTileSamples;
-  block.sample_count = samples.size();
-  block.pixel_count = static_cast<std::size_t>(samples_->feature_count());
-  block.chunk_samples = std::min(kChunkSamples, tiles * kTileSamples);
-  const std::size_t chunks = (samples.size() + block.chunk_samples - 1) / block.chunk_samples;
-  const std::size_t size = chunks * block.pixel_count * block.chunk_samples;
-  if (block.pixels.size() < size) block.pixels.resize(size);
-  loop(static_cast<std::int64_t>(tiles), [&](std::int64_t tile) {
+  block.resize(samples.size(), static_cast<std::size_t>(samples_->feature_count()));
+  loop(static_cast<std::int64_t>(block.tile_count()), [&](std::int64_t tile) {
     const std::size_t first = static_cast<std::size_t>(tile) * kTileSamples;
     std::array<const std::int16_t*, kTileSamples> rows;
     for (std::size_t i = 0; i < kTileSamples; ++i) {  // a tile that is not full repeats the last sample
       rows[i] = samples_->features(samples[std::min(first + i, samples.size() - 1)]);
     }
-    const std::size_t chunk = first / block.chunk_samples;
-    std::int16_t* target =
-        block.pixels.data() + chunk * block.pixel_count * block.chunk_samples + first % block.chunk_samples;
-    copy_tile(rows, block.pixel_count, target, block.chunk_samples);
+    copy_tile(rows, block.row_count, block.tile(static_cast<std::size_t>(tile)), block.chunk_samples);
   });
-}
-
-void PixelPairFeatures::values(const Block& block, PixelPair pair, std::int16_t* values) {
-  const std::int16_t* chunk = block.pixels.data();
-  for (std::size_t done = 0; done < block.sample_count; done += block.chunk_samples) {
-    const std::int16_t* first = chunk + pair.first * block.chunk_samples;
-    const std::int16_t* second = chunk + pair.second * block.chunk_samples;
-    const std::size_t count = std::min(block.chunk_samples, block.sample_count - done);
-    for (std::size_t i = 0; i < count; ++i)
-      values[done + i] = static_cast<std::int16_t>(first[i] - second[i]);
-    chunk += block.pixel_count * block.chunk_samples;
-  }
 }
 
 }  // namespace knuckle

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "knuckle/core/random.h"
+#include "knuckle/forest/feature_rows.h"
+#include "knuckle/forest/split_options.h"
 #include "knuckle/forest/training_samples.h"
 
 namespace knuckle {
@@ -17,6 +19,13 @@ struct PixelPair {
   std::uint16_t second = 0;
 
   bool operator==(const PixelPair&) const = default;
+
+  /// Shows the columns that a file keeps it in: calls visit(name, pointer to member).
+  template <class Visit>
+  static void for_each_column(Visit visit) {
+    visit("node_first", &PixelPair::first);
+    visit("node_second", &PixelPair::second);
+  }
 };
 
 /// How the engine sees samples whose features are pixel differences: a model of the concept SplitFeatures.
@@ -24,15 +33,9 @@ class PixelPairFeatures {
  public:
   using Feature = PixelPair;
 
-  /// A copy of some samples, in chunks of `chunk_samples`, each pixel-major: pixel p of the i-th sample of
-  /// chunk c lies at (c * pixel_count + p) * chunk_samples + i. The values of a candidate are then the
-  /// difference of two contiguous rows, and a chunk spans few enough memory pages to be written fast.
-  struct Block {
-    std::size_t sample_count = 0;
-    std::size_t pixel_count = 0;
-    std::size_t chunk_samples = 0;
-    std::vector<std::int16_t> pixels;
-  };
+  using Candidate = PixelPair;
+  /// The samples of a node, a row a pixel.
+  using Block = FeatureRows;
   /// Calls its second argument for 0, ..., count - 1: parallel_for, or a plain loop.
   using Loop = void (*)(std::int64_t count, const std::function<void(std::int64_t)>& work);
 
@@ -42,10 +45,18 @@ class PixelPairFeatures {
   /// row (stratified, so that neighbouring candidates read neighbouring memory), the second over the whole
   /// row.
   PixelPair draw(Random& random, int index, int count) const;
+  PixelPair draw(Random& random, int index, int count, const Block& /*block*/) const {
+    return draw(random, index, count);
+  }
+  /// There is nothing to choose before samples are copied: every pixel is a row.
+  void begin_node(Random& /*random*/, const TreeOptions& /*options*/, Block& /*block*/) const {}
   /// Copies these samples. `block` keeps its memory for the next call.
   void gather(std::span<const std::uint32_t> samples, Loop loop, Block& block) const;
   /// The feature of each sample of the block.
-  static void values(const Block& block, PixelPair pair, std::int16_t* values);
+  static void values(const Block& block, PixelPair pair, std::int16_t* values) {
+    block.difference({pair.first, pair.second}, values);
+  }
+  static PixelPair feature(const Block& /*block*/, PixelPair candidate) { return candidate; }
   /// The feature of one sample.
   std::int16_t value(std::uint32_t sample, PixelPair pair) const {
     const std::int16_t* row = samples_->features(sample);

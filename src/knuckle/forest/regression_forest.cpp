@@ -13,29 +13,17 @@ namespace {
 
 using Node = RegressionForest::Node;
 
-/// Every path must end in a leaf that exists: a child lies behind its parent and inside the parent's tree.
 void check_parts(const RegressionForest::Parts& parts, const std::string& origin) {
   if (parts.feature_count < 1) fail("{}: a forest on {} features", origin, parts.feature_count);
   if (!(parts.quantizer.step > 0.0F && std::isfinite(parts.quantizer.step))) {
     fail("{}: the step of the features is {}, expected a number above 0", origin, parts.quantizer.step);
   }
-  if (parts.roots.empty() || parts.roots[0] != 0) fail("{}: the forest has no first tree", origin);
   if (parts.leaves.dimensions() < 1) fail("{}: the forest predicts nothing", origin);
-  for (std::size_t tree = 0; tree < parts.roots.size(); ++tree) {
-    const std::size_t begin = parts.roots[tree];
-    const std::size_t end = tree + 1 < parts.roots.size() ? parts.roots[tree + 1] : parts.nodes.size();
-    if (begin >= end || end > parts.nodes.size()) fail("{}: tree {} has no nodes", origin, tree);
-    for (std::size_t i = begin; i < end; ++i) {
-      const Node& node = parts.nodes[i];
-      const std::int64_t next = node.next;
-      const bool is_sound =
-          next < 0 ? ~next < static_cast<std::int64_t>(parts.leaves.leaf_count())
-                   : next > static_cast<std::int64_t>(i) && next + 1 < static_cast<std::int64_t>(end);
-      if (!is_sound) fail("{}: node {} of tree {} leads nowhere", origin, i - begin, tree);
-      if (node.first >= parts.feature_count || node.second >= parts.feature_count) {
-        fail("{}: node {} of tree {} reads a feature beyond the {} there are", origin, i - begin, tree,
-             parts.feature_count);
-      }
+  check_trees(parts.trees, parts.leaves.leaf_count(), origin);
+  for (std::size_t i = 0; i < parts.trees.nodes.size(); ++i) {
+    const PixelPair& pair = parts.trees.nodes[i].feature;
+    if (pair.first >= parts.feature_count || pair.second >= parts.feature_count) {
+      fail("{}: node {} reads a feature beyond the {} there are", origin, i, parts.feature_count);
     }
   }
 }
@@ -50,14 +38,15 @@ std::vector<std::uint32_t> RegressionForest::leaves_of(std::span<const float> fe
   if (std::ssize(features) != parts_.feature_count) {
     fail("regression forest: {} features, expected {}", features.size(), parts_.feature_count);
   }
-  const Node* const nodes = parts_.nodes.data();
+  const Node* const nodes = parts_.trees.nodes.data();
   const FeatureQuantizer quantized = parts_.quantizer;
   std::vector<std::uint32_t> leaves;
-  leaves.reserve(parts_.roots.size());
-  for (const std::uint32_t root : parts_.roots) {
+  leaves.reserve(parts_.trees.roots.size());
+  for (const std::uint32_t root : parts_.trees.roots) {
     const Node* node = nodes + root;
     while (node->next >= 0) {
-      const int difference = quantized(features[node->first]) - quantized(features[node->second]);
+      const int difference =
+          quantized(features[node->feature.first]) - quantized(features[node->feature.second]);
       node = nodes + node->next + (difference >= node->threshold ? 1 : 0);
     }
     leaves.push_back(static_cast<std::uint32_t>(~node->next));

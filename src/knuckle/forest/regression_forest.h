@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "knuckle/core/hdf5_file.h"
+#include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/leaf_table.h"
+#include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/training_samples.h"
 
 namespace knuckle {
@@ -15,22 +17,13 @@ namespace knuckle {
 /// Regression trees on pixel differences (Riegler et al. 2015, equation 3), in flat arrays.
 class RegressionForest {
  public:
-  /// A node, 12 bytes. A sample goes to node `next` where its first entry minus its second (in quantised
-  /// steps) is below the threshold, else to the node behind it.
-  struct Node {
-    std::int32_t next =
-        -1;  ///< index of the left child; below 0: a leaf, and ~next is its row in the table of leaves
-    std::uint16_t first = 0;
-    std::uint16_t second = 0;
-    std::int16_t threshold = 0;
-  };
+  using Node = TreeNode<PixelPair>;
+  static_assert(sizeof(Node) == 12);
 
-  /// All trees one after another, each breadth-first; leaves are numbered in the order of their nodes.
   struct Parts {
     int feature_count = 0;
     FeatureQuantizer quantizer;
-    std::vector<std::uint32_t> roots;  ///< index of each tree's root; ascending, the first is 0
-    std::vector<Node> nodes;
+    FlatTrees<PixelPair> trees;
     LeafTable leaves;
   };
 
@@ -39,7 +32,7 @@ class RegressionForest {
 
   int feature_count() const { return parts_.feature_count; }
   int target_count() const { return parts_.leaves.dimensions(); }
-  int tree_count() const { return static_cast<int>(parts_.roots.size()); }
+  int tree_count() const { return static_cast<int>(parts_.trees.roots.size()); }
   const Parts& parts() const { return parts_; }
 
   /// The mean of the trees' leaves, and how far the trees disagree.

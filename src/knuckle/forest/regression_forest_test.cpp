@@ -28,10 +28,10 @@ RegressionForest small_forest(int leaf_bits = 16) {
 /// The walk as the paper states it, recursive.
 std::uint32_t leaf_of(const RegressionForest& forest, std::int32_t index,
                       const std::vector<float>& features) {
-  const RegressionForest::Node& node = forest.parts().nodes[static_cast<std::size_t>(index)];
+  const RegressionForest::Node& node = forest.parts().trees.nodes[static_cast<std::size_t>(index)];
   if (node.next < 0) return static_cast<std::uint32_t>(~node.next);
   const FeatureQuantizer& quantized = forest.parts().quantizer;
-  const int difference = quantized(features[node.first]) - quantized(features[node.second]);
+  const int difference = quantized(features[node.feature.first]) - quantized(features[node.feature.second]);
   return leaf_of(forest, difference >= node.threshold ? node.next + 1 : node.next, features);
 }
 
@@ -42,7 +42,7 @@ TEST(RegressionForest, FlatWalkIsTheRecursiveWalk) {
     std::vector<double> sum(5, 0.0);
     for (std::size_t tree = 0; tree < 4; ++tree) {
       const std::uint32_t leaf =
-          leaf_of(forest, static_cast<std::int32_t>(forest.parts().roots[tree]), features);
+          leaf_of(forest, static_cast<std::int32_t>(forest.parts().trees.roots[tree]), features);
       ASSERT_EQ(leaves[tree], leaf);
       std::vector<float> row(5);
       forest.parts().leaves.decode(leaf, row);
@@ -56,8 +56,8 @@ TEST(RegressionForest, FlatWalkIsTheRecursiveWalk) {
 TEST(RegressionForest, DeviationIsThatOfTheTrees) {
   RegressionForest::Parts parts;
   parts.feature_count = 1;
-  parts.roots = {0, 1};
-  parts.nodes = {{~0, 0, 0, 0}, {~1, 0, 0, 0}};
+  parts.trees.roots = {0, 1};
+  parts.trees.nodes = {{~0, {}, 0}, {~1, {}, 0}};
   parts.leaves = LeafTable(1, std::vector<float>{1.0F, 4.0F}, 32);
   const RegressionForest forest(parts, "test");
   const std::vector<float> features{0.0F};
@@ -90,15 +90,15 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
     damage(parts);
     return error_of([&] { RegressionForest(parts, "x.h5"); });
   };
-  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].next = 0; }),
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].next = 0; }),
               AllOf(HasSubstr("x.h5"), HasSubstr("leads nowhere")));
-  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].next = static_cast<int>(p.roots[1]); }),
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].next = static_cast<int>(p.trees.roots[1]); }),
               HasSubstr("leads nowhere"));
-  EXPECT_THAT(fault_of([](auto& p) { p.nodes[1].next = ~1000000; }), HasSubstr("leads nowhere"));
-  EXPECT_THAT(fault_of([](auto& p) { p.nodes[0].first = 30; }), HasSubstr("beyond the 30"));
-  EXPECT_THAT(fault_of([](auto& p) { p.roots[1] = p.roots[2]; }), HasSubstr("no nodes"));
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[1].next = ~1000000; }), HasSubstr("leads nowhere"));
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].feature.first = 30; }), HasSubstr("beyond the 30"));
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.roots[1] = p.trees.roots[2]; }), HasSubstr("no nodes"));
   EXPECT_THAT(fault_of([](auto& p) { p.quantizer.step = NAN; }), HasSubstr("step"));
-  EXPECT_THAT(fault_of([](auto& p) { p.roots.clear(); }), HasSubstr("no first tree"));
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.roots.clear(); }), HasSubstr("no first tree"));
 }
 
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {

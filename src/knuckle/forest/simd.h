@@ -7,9 +7,11 @@
 
 namespace knuckle {
 
-/// Eight lanes, in the vector extension of GCC and Clang: arithmetic is by lane, with the same bits on every
+/// Lanes in the vector extension of GCC and Clang: arithmetic is by lane, with the same bits on every
 /// machine.
 using Int16x8 [[gnu::vector_size(16)]] = std::int16_t;
+using Int16x16 [[gnu::vector_size(32)]] = std::int16_t;
+using Int32x4 [[gnu::vector_size(16)]] = std::int32_t;
 using Int32x8 [[gnu::vector_size(32)]] = std::int32_t;
 using Float32x8 [[gnu::vector_size(32)]] = float;
 

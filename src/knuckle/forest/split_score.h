@@ -10,15 +10,23 @@
 
 #include "knuckle/forest/scoring_targets.h"
 #include "knuckle/forest/simd.h"
+#include "knuckle/forest/split_options.h"
+#include "knuckle/forest/value_bins.h"
 
 namespace knuckle {
 
-/// The best way to part binned samples: those in bin `bin` or above it go right. `bin` is 0 where none is
-/// good.
-struct BinSplit {
-  int bin = 0;
+/// The best threshold for a candidate feature: samples with a value of at least `threshold` go right.
+struct ThresholdSplit {
+  std::int16_t threshold = 0;
   float gain = 0.0F;  ///< in the statistics' own unit; above 0 where the split is any good
 };
+
+/// Bins that a candidate's values are parted into in a node of `samples` scored samples: half as many as
+/// samples, so that the cost of a small node falls with its size, and at most options.threshold_bins.
+inline int bins_for(const TreeOptions& options, std::size_t samples) {
+  return static_cast<int>(
+      std::clamp<std::size_t>(samples / 2, 2, static_cast<std::size_t>(options.threshold_bins)));
+}
 
 /// The reduction of the targets' summed variance, a model of the concept SplitStatistics.
 ///
@@ -37,8 +45,9 @@ class VarianceStatistics {
   static constexpr int kMostDimensions = kLanes - 1;
   static constexpr int kMostBins = 256;
 
-  /// One sum of rows for each bin.
-  struct Histogram {
+  /// Working memory of one thread: the bin of each sample, and one sum of rows for each bin.
+  struct Scratch {
+    std::vector<std::uint8_t> bins;
     std::array<std::array<Int32x8, kRegisters>, kMostBins> sums;
   };
 
@@ -47,14 +56,26 @@ class VarianceStatistics {
    public:
     /// Copies the rows and centres them on their rounded mean.
     void assign(const ScoringTargets& targets, std::span<const std::uint32_t> samples);
-    /// `bins` has the bin of each sample, below `bin_count`. Only splits with at least `min_samples` on both
-    /// sides.
-    BinSplit best_split(const std::uint8_t* bins, int bin_count, int min_samples, Histogram& histogram) const;
+    /// The samples in the order in which best_split takes their values.
+    std::span<const std::uint32_t> samples() const { return samples_; }
+    /// True where no split can gain anything. Not looked for here: such nodes are rare.
+    static bool is_pure() { return false; }
+    /// The best of the thresholds between bins of equal width (ValueBins). Only splits with at least
+    /// options.min_leaf_samples on both sides.
+    ThresholdSplit best_split(std::span<const std::int16_t> values, std::size_t candidate,
+                              const TreeOptions& options, Scratch& scratch) const;
 
    private:
+    /// The best of binned samples: the first bin that goes right, 0 where none is good.
+    struct BinSplit {
+      int bin = 0;
+      float gain = 0.0F;
+    };
+    BinSplit best_bin(int bin_count, int min_samples, Scratch& scratch) const;
     float gain(const std::array<Int32x8, kRegisters>& left) const;
 
     std::size_t count_ = 0;
+    std::span<const std::uint32_t> samples_;
     std::vector<std::array<Int32x8, kRegisters>> rows_;  // one a sample; lane 0 is 1, unused lanes are 0
     std::array<Float32x8, kRegisters> mean_{};           // what the rounding of the mean left; 1 in lane 0
     std::vector<float> weight_;                          // n / (n_l n_r) for each n_l
@@ -71,6 +92,7 @@ template <int kLanes>
 void VarianceStatistics<kLanes>::Node::assign(const ScoringTargets& targets,
                                               std::span<const std::uint32_t> samples) {
   count_ = samples.size();
+  samples_ = samples;
   const auto count = static_cast<std::int64_t>(count_);
   std::array<std::int64_t, kLanes> sum{};
   for (const std::uint32_t sample : samples) {
@@ -115,18 +137,31 @@ float VarianceStatistics<kLanes>::Node::gain(const std::array<Int32x8, kRegister
 }
 
 template <int kLanes>
-BinSplit VarianceStatistics<kLanes>::Node::best_split(const std::uint8_t* bins, int bin_count,
-                                                      int min_samples, Histogram& histogram) const {
-  std::fill_n(histogram.sums.begin(), bin_count, std::array<Int32x8, kRegisters>{});
+ThresholdSplit VarianceStatistics<kLanes>::Node::best_split(std::span<const std::int16_t> values,
+                                                            std::size_t /*candidate*/,
+                                                            const TreeOptions& options,
+                                                            Scratch& scratch) const {
+  const ValueBins parts(values, bins_for(options, count_));
+  if (parts.count() < 2) return {};
+  scratch.bins.resize(count_);
+  parts.assign(values, scratch.bins.data());
+  const BinSplit split = best_bin(parts.count(), options.min_leaf_samples, scratch);
+  return {static_cast<std::int16_t>(parts.first_value(split.bin)), split.gain};
+}
+
+template <int kLanes>
+auto VarianceStatistics<kLanes>::Node::best_bin(int bin_count, int min_samples, Scratch& scratch) const
+    -> BinSplit {
+  std::fill_n(scratch.sums.begin(), bin_count, std::array<Int32x8, kRegisters>{});
   for (std::size_t i = 0; i < count_; ++i) {
-    std::array<Int32x8, kRegisters>& sum = histogram.sums[bins[i]];
+    std::array<Int32x8, kRegisters>& sum = scratch.sums[scratch.bins[i]];
     for (std::size_t r = 0; r < kRegisters; ++r) sum[r] += rows_[i][r];
   }
   BinSplit best;
   const auto most_left = static_cast<std::int32_t>(count_) - min_samples;
   std::array<Int32x8, kRegisters> left{};
   for (int bin = 0; bin + 1 < bin_count; ++bin) {
-    const std::array<Int32x8, kRegisters>& sum = histogram.sums[static_cast<std::size_t>(bin)];
+    const std::array<Int32x8, kRegisters>& sum = scratch.sums[static_cast<std::size_t>(bin)];
     if (sum[0][0] == 0) continue;  // the same split as the one before
     for (std::size_t r = 0; r < kRegisters; ++r) left[r] += sum[r];
     if (left[0][0] < min_samples) continue;

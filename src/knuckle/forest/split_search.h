@@ -12,31 +12,37 @@
 #include "knuckle/core/random.h"
 #include "knuckle/forest/split_options.h"
 #include "knuckle/forest/split_score.h"
-#include "knuckle/forest/value_bins.h"
 
 namespace knuckle {
 
 /// What the engine asks of a kind of split feature: candidates, a compact copy of a node's samples to try
 /// them on, and the value of one sample. Values are 16-bit whole numbers; a sample goes right where value >=
-/// threshold.
+/// threshold. A Candidate names what it reads by its place in the Block; feature() turns it into what a tree
+/// keeps.
 template <class T>
-concept SplitFeatures = requires(const T features, Random& random, typename T::Block& block,
-                                 typename T::Feature feature, std::span<const std::uint32_t> samples,
-                                 std::int16_t* values) {
-  { features.draw(random, 0, 1) } -> std::same_as<typename T::Feature>;
+concept SplitFeatures = requires(const T features, Random& random, const TreeOptions& options,
+                                 typename T::Block& block, const typename T::Block& filled,
+                                 typename T::Candidate candidate, typename T::Feature feature,
+                                 std::span<const std::uint32_t> samples, std::int16_t* values) {
+  features.begin_node(random, options, block);
   features.gather(samples, parallel_for, block);
-  T::values(block, feature, values);
+  { features.draw(random, 0, 1, filled) } -> std::same_as<typename T::Candidate>;
+  T::values(filled, candidate, values);
+  { T::feature(filled, candidate) } -> std::same_as<typename T::Feature>;
   { features.value(0U, feature) } -> std::same_as<std::int16_t>;
 };
 
-/// What the engine asks of the statistics of targets: made ready once a node, then asked for the best of the
-/// thresholds of a candidate.
+/// What the engine asks of the statistics of targets: made ready once a node, then asked for the best
+/// threshold of each candidate. samples() says in which order (and how often: to fill SIMD registers) it
+/// wants the samples' values.
 template <class T>
-concept SplitStatistics = requires(const T statistics, typename T::Node& node,
-                                   typename T::Histogram& histogram, std::span<const std::uint32_t> samples,
-                                   const std::uint8_t* bins) {
+concept SplitStatistics = requires(const T statistics, typename T::Node& node, const typename T::Node& ready,
+                                   typename T::Scratch& scratch, std::span<const std::uint32_t> samples,
+                                   std::span<const std::int16_t> values, const TreeOptions& options) {
   statistics.assign(samples, node);
-  { node.best_split(bins, 2, 1, histogram) } -> std::same_as<BinSplit>;
+  { ready.samples() } -> std::same_as<std::span<const std::uint32_t>>;
+  { ready.is_pure() } -> std::same_as<bool>;
+  { ready.best_split(values, std::size_t{0}, options, scratch) } -> std::same_as<ThresholdSplit>;
 };
 
 /// A split of a node: right where feature >= threshold. No split is worth it where `gain` is 0.
@@ -52,22 +58,15 @@ inline void serial_for(std::int64_t count, const std::function<void(std::int64_t
   for (std::int64_t i = 0; i < count; ++i) work(i);
 }
 
-/// Bins that a candidate's values are parted into in a node of `samples` scored samples: half as many as
-/// samples, so that the cost of a small node falls with its size, and at most options.threshold_bins.
-inline int bins_for(const TreeOptions& options, std::size_t samples) {
-  return static_cast<int>(
-      std::clamp<std::size_t>(samples / 2, 2, static_cast<std::size_t>(options.threshold_bins)));
-}
-
 /// Finds the best split of one node after another; keeps its working memory.
 ///
-/// The floor: a candidate costs each sample two loads and a difference (SIMD, contiguous), its bin (SIMD),
-/// and the addition of its row of targets to that bin's sum (kLanes / 8 loads, adds and stores); each bin
-/// costs a prefix sum and a squared norm.
+/// The floor: a candidate costs each sample two loads and a difference (SIMD, contiguous), and what the
+/// statistics make of its value: an addition to a histogram, or a comparison with each threshold.
 template <SplitFeatures Features, SplitStatistics Statistics>
 class SplitSearch {
  public:
   using Feature = typename Features::Feature;
+  using Candidate = typename Features::Candidate;
   using Loop = void (*)(std::int64_t count, const std::function<void(std::int64_t)>& work);
 
   /// The best of options.splits_per_node candidates drawn from `random`; of equal ones the first drawn.
@@ -78,13 +77,13 @@ class SplitSearch {
 
  private:
   /// Candidates tried by one call of the loop's body.
-  static constexpr std::int64_t kCandidatesAChunk = 256;
+  static constexpr std::size_t kCandidatesAChunk = 256;
 
-  NodeSplit<Feature> best_of(std::span<const Feature> candidates, const TreeOptions& options) const;
+  NodeSplit<Feature> best_of(std::size_t first, std::size_t end, const TreeOptions& options) const;
 
   typename Features::Block block_;
   typename Statistics::Node node_;
-  std::vector<Feature> candidates_;
+  std::vector<Candidate> candidates_;
 };
 
 template <SplitFeatures Features, SplitStatistics Statistics>
@@ -92,41 +91,35 @@ auto SplitSearch<Features, Statistics>::best_split(const Features& features, con
                                                    std::span<const std::uint32_t> samples,
                                                    const TreeOptions& options, Random& random, Loop loop)
     -> NodeSplit<Feature> {
-  features.gather(samples, loop, block_);
   statistics.assign(samples, node_);
+  if (node_.is_pure()) return {};
+  features.begin_node(random, options, block_);
+  features.gather(node_.samples(), loop, block_);
   candidates_.clear();
   for (int i = 0; i < options.splits_per_node; ++i) {
-    candidates_.push_back(features.draw(random, i, options.splits_per_node));
+    candidates_.push_back(features.draw(random, i, options.splits_per_node, block_));
   }
-  const std::int64_t count = std::ssize(candidates_);
-  const std::int64_t chunks = (count + kCandidatesAChunk - 1) / kCandidatesAChunk;
-  std::vector<NodeSplit<Feature>> best(static_cast<std::size_t>(chunks));
-  loop(chunks, [&](std::int64_t chunk) {
-    const std::int64_t first = chunk * kCandidatesAChunk;
-    const std::int64_t size = std::min(kCandidatesAChunk, count - first);
-    best[static_cast<std::size_t>(chunk)] = best_of(
-        std::span(candidates_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)),
-        options);
+  const std::size_t chunks = (candidates_.size() + kCandidatesAChunk - 1) / kCandidatesAChunk;
+  std::vector<NodeSplit<Feature>> best(chunks);
+  loop(static_cast<std::int64_t>(chunks), [&](std::int64_t index) {
+    const auto chunk = static_cast<std::size_t>(index);
+    const std::size_t first = chunk * kCandidatesAChunk;
+    best[chunk] = best_of(first, std::min(first + kCandidatesAChunk, candidates_.size()), options);
   });
   return *std::ranges::max_element(best, {}, &NodeSplit<Feature>::gain);
 }
 
 template <SplitFeatures Features, SplitStatistics Statistics>
-auto SplitSearch<Features, Statistics>::best_of(std::span<const Feature> candidates,
+auto SplitSearch<Features, Statistics>::best_of(std::size_t first, std::size_t end,
                                                 const TreeOptions& options) const -> NodeSplit<Feature> {
-  const std::size_t samples = block_.sample_count;
-  std::vector<std::int16_t> values(samples);
-  std::vector<std::uint8_t> bins(samples);
-  typename Statistics::Histogram histogram;
+  std::vector<std::int16_t> values(node_.samples().size());
+  typename Statistics::Scratch scratch;
   NodeSplit<Feature> best;
-  for (const Feature& candidate : candidates) {
-    Features::values(block_, candidate, values.data());
-    const ValueBins parts(values, bins_for(options, samples));
-    if (parts.count() < 2) continue;
-    parts.assign(values, bins.data());
-    const BinSplit split = node_.best_split(bins.data(), parts.count(), options.min_leaf_samples, histogram);
+  for (std::size_t i = first; i < end; ++i) {
+    Features::values(block_, candidates_[i], values.data());
+    const ThresholdSplit split = node_.best_split(values, i, options, scratch);
     if (split.gain > best.gain) {
-      best = {candidate, static_cast<std::int16_t>(parts.first_value(split.bin)), split.gain};
+      best = {Features::feature(block_, candidates_[i]), split.threshold, split.gain};
     }
   }
   return best;

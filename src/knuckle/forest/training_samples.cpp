@@ -11,17 +11,11 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/forest/content_hash.h"
 
 namespace knuckle {
 
 namespace {
-
-/// One step of a multiplicative hash: the odd constant is 2^64 divided by the golden ratio (Knuth, vol.
-/// 3, 6.4).
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) {
-  hash = (hash ^ word) * 0x9E3779B97F4A7C15ULL;
-  return hash ^ (hash >> 32U);
-}
 
 void require_finite(std::span<const float> values, std::string_view what, std::int64_t sample) {
   const auto fault = std::ranges::find_if(values, [](float value) { return !std::isfinite(value); });
@@ -81,10 +75,11 @@ std::uint64_t TrainingSamples::hash_of(std::size_t index) const {
   for (; feature + 4 <= feature_count_; feature += 4) {
     std::uint64_t word = 0;
     for (int i = 0; i < 4; ++i) word = (word << 16U) | static_cast<std::uint16_t>(row[feature + i]);
-    hash = mixed(hash, word);
+    hash = mixed_hash(hash, word);
   }
-  for (; feature < feature_count_; ++feature) hash = mixed(hash, static_cast<std::uint16_t>(row[feature]));
-  for (const float target : targets(index)) hash = mixed(hash, std::bit_cast<std::uint32_t>(target));
+  for (; feature < feature_count_; ++feature)
+    hash = mixed_hash(hash, static_cast<std::uint16_t>(row[feature]));
+  for (const float target : targets(index)) hash = mixed_hash(hash, std::bit_cast<std::uint32_t>(target));
   return hash;
 }
 
@@ -100,7 +95,7 @@ TrainingSamples::CanonicalOrder TrainingSamples::canonical_order() const {
     if (is_set_[i] != 0) order.indices.push_back(i);
   }
   std::ranges::sort(order.indices, {}, [&](std::uint32_t i) { return std::pair(hashes[i], i); });
-  for (const std::uint32_t i : order.indices) order.hash = mixed(order.hash, hashes[i]);
+  for (const std::uint32_t i : order.indices) order.hash = mixed_hash(order.hash, hashes[i]);
   return order;
 }
 

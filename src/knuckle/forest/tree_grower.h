@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -38,6 +39,11 @@ struct GrownTree {
   }
 };
 
+/// The splits of a tree's nodes, breadth-first, also of those that have none (gain 0). With the samples it
+/// determines the tree: a stopped training goes on from the log alone.
+template <class Feature>
+using SplitLog = std::vector<NodeSplit<Feature>>;
+
 /// Grows one tree, level by level, on all threads: nodes with many samples one after another with their
 /// candidates in parallel, the others in parallel. Each node draws from a stream of its own, named by its
 /// number, so the tree is the same for any number of threads.
@@ -46,12 +52,20 @@ class TreeGrower {
  public:
   using Feature = typename Features::Feature;
   using Tree = GrownTree<Feature>;
+  using Log = SplitLog<Feature>;
 
   TreeGrower(const Features& features, const Statistics& statistics, const TreeOptions& options)
       : features_(features), statistics_(statistics), options_(options) {}
 
-  /// `samples` in the order to work in; `seed` is the tree's own. Advances `progress` by one a level.
-  Tree grow(std::span<const std::uint32_t> samples, std::uint64_t seed, Progress& progress);
+  /// `samples` in the order to work in; `seed` is the tree's own. `log` has the splits of the first nodes,
+  /// found by a run that was stopped, or none: they are not searched for again. Each split found is added to
+  /// it, and `nodes_done` is called every few seconds of work, with the log. Advances `progress` by
+  /// kStepsALevel a level.
+  Tree grow(std::span<const std::uint32_t> samples, std::uint64_t seed, Progress& progress, Log& log,
+            const std::function<void(const Log&)>& nodes_done);
+
+  /// Steps of progress a level: a node advances it by its part of the samples.
+  static constexpr std::int64_t kStepsALevel = 1000;
 
  private:
   using Split = NodeSplit<Feature>;
@@ -61,14 +75,17 @@ class TreeGrower {
   static constexpr std::size_t kLargeNode = 1024;
   /// Small nodes are handed to a thread in groups of about this many samples.
   static constexpr std::size_t kSamplesAGroup = 1024;
+  /// Nodes are split in batches of about this many scored samples: what a stop loses at most.
+  static constexpr std::size_t kSamplesABatch = 1 << 18;
   /// Numbers of the streams a tree draws from: 0 for its bag, then one a node.
   static constexpr std::uint64_t kBagStream = 0;
 
   std::vector<std::uint32_t> bag(std::span<const std::uint32_t> samples, std::uint64_t seed) const;
-  std::vector<Split> split_level(const Tree& tree, std::size_t first_node, std::uint64_t seed);
+  std::size_t batch_end(const Tree& tree, std::size_t first_node) const;
+  void split_batch(const Tree& tree, std::size_t end_node, std::uint64_t seed, Log& log);
   Split split_node(const Tree& tree, std::size_t node, std::uint64_t seed, Search& search,
                    typename Search::Loop loop) const;
-  void add_children(Tree& tree, std::size_t first_node, const std::vector<Split>& splits) const;
+  void add_children(Tree& tree, std::size_t first_node, std::span<const Split> splits) const;
   std::uint32_t partition(Tree& tree, std::size_t node) const;
   std::size_t scored_samples(const Tree& tree, std::size_t node) const;
 
@@ -93,16 +110,30 @@ inline std::vector<std::uint32_t> random_subset(std::span<const std::uint32_t> s
 
 template <SplitFeatures Features, SplitStatistics Statistics>
 auto TreeGrower<Features, Statistics>::grow(std::span<const std::uint32_t> samples, std::uint64_t seed,
-                                            Progress& progress) -> Tree {
+                                            Progress& progress, Log& log,
+                                            const std::function<void(const Log&)>& nodes_done) -> Tree {
   Tree tree;
   tree.samples = bag(samples, seed);
   tree.nodes.push_back({.end = static_cast<std::uint32_t>(tree.samples.size())});
   std::size_t first_node = 0;
   for (int depth = 0; depth < options_.max_depth; ++depth) {
     const std::size_t level_end = tree.nodes.size();
-    if (first_node < level_end) add_children(tree, first_node, split_level(tree, first_node, seed));
+    std::int64_t steps_left = kStepsALevel;
+    while (log.size() < level_end) {
+      const std::size_t first = log.size();
+      split_batch(tree, batch_end(tree, first), seed, log);
+      const double part = static_cast<double>(tree.nodes[log.size() - 1].end - tree.nodes[first].begin) /
+                          static_cast<double>(tree.samples.size());
+      const auto steps = std::min(steps_left, static_cast<std::int64_t>(kStepsALevel * part));
+      progress.advance(steps);
+      steps_left -= steps;
+      nodes_done(log);
+    }
+    if (first_node < level_end) {
+      add_children(tree, first_node, std::span(log).subspan(first_node, level_end - first_node));
+    }
     first_node = level_end;
-    progress.advance();
+    progress.advance(steps_left);
   }
   return tree;
 }
@@ -123,13 +154,24 @@ std::size_t TreeGrower<Features, Statistics>::scored_samples(const Tree& tree, s
                   static_cast<std::size_t>(options_.samples_per_node));
 }
 
+/// The end of the batch that starts with this node.
 template <SplitFeatures Features, SplitStatistics Statistics>
-auto TreeGrower<Features, Statistics>::split_level(const Tree& tree, std::size_t first_node,
-                                                   std::uint64_t seed) -> std::vector<Split> {
-  std::vector<Split> splits(tree.nodes.size() - first_node);
+std::size_t TreeGrower<Features, Statistics>::batch_end(const Tree& tree, std::size_t first_node) const {
+  std::size_t samples = 0;
+  std::size_t node = first_node;
+  while (node < tree.nodes.size() && samples < kSamplesABatch) samples += scored_samples(tree, node++);
+  return node;
+}
+
+/// Adds the splits of the nodes up to `end_node` to the log.
+template <SplitFeatures Features, SplitStatistics Statistics>
+void TreeGrower<Features, Statistics>::split_batch(const Tree& tree, std::size_t end_node, std::uint64_t seed,
+                                                   Log& log) {
+  const std::size_t first_node = log.size();
+  std::vector<Split> splits(end_node - first_node);
   std::vector<std::pair<std::size_t, std::size_t>> groups;  // ranges of small nodes
   std::size_t group_samples = kSamplesAGroup;
-  for (std::size_t node = first_node; node < tree.nodes.size(); ++node) {
+  for (std::size_t node = first_node; node < end_node; ++node) {
     const std::size_t samples = scored_samples(tree, node);
     if (samples > kLargeNode) {
       splits[node - first_node] = split_node(tree, node, seed, large_search_, parallel_for);
@@ -150,7 +192,7 @@ auto TreeGrower<Features, Statistics>::split_level(const Tree& tree, std::size_t
       splits[node - first_node] = split_node(tree, node, seed, search, serial_for);
     }
   });
-  return splits;
+  log.insert(log.end(), splits.begin(), splits.end());
 }
 
 template <SplitFeatures Features, SplitStatistics Statistics>
@@ -169,7 +211,7 @@ auto TreeGrower<Features, Statistics>::split_node(const Tree& tree, std::size_t 
 
 template <SplitFeatures Features, SplitStatistics Statistics>
 void TreeGrower<Features, Statistics>::add_children(Tree& tree, std::size_t first_node,
-                                                    const std::vector<Split>& splits) const {
+                                                    std::span<const Split> splits) const {
   std::vector<std::uint32_t> middle(splits.size());
   parallel_for(std::ssize(splits), [&](std::int64_t i) {
     const Split& split = splits[static_cast<std::size_t>(i)];

@@ -58,6 +58,18 @@ double area_mm2(const std::vector<std::int32_t>& pixels, const Camera& camera, c
   return area;
 }
 
+Point3 mean_point(const std::vector<std::int32_t>& pixels, const RayTable& rays,
+                  const Image<float>& depth_mm) {
+  Point3 sum = Point3::Zero();
+  for (const std::int32_t pixel : pixels) {
+    const int column = pixel % depth_mm.width();
+    const int row = pixel / depth_mm.width();
+    const float depth = depth_mm.data()[pixel];
+    sum += Point3(rays.x(column, row, depth), rays.y(column, row, depth), depth);
+  }
+  return sum / static_cast<double>(pixels.size());
+}
+
 void check_max_hands(int max_hands) {
   if (max_hands < 1 || max_hands > kMostHands)
     fail("max_hands is {}, expected [1, {}]", max_hands, kMostHands);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/core/camera.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/segment/segmenter.h"
@@ -24,6 +25,10 @@ double pixel_area_mm2(const Camera& camera, double depth_mm);
 
 /// Area that these pixels of a depth image cover, each on a plane parallel to the image [mm^2].
 double area_mm2(const std::vector<std::int32_t>& pixels, const Camera& camera, const Image<float>& depth_mm);
+
+/// The mean of the points that these pixels show, in camera coordinates [mm].
+Point3 mean_point(const std::vector<std::int32_t>& pixels, const RayTable& rays,
+                  const Image<float>& depth_mm);
 
 /// Throws an Error unless a segmenter can be asked for so many hands: [1, 16].
 void check_max_hands(int max_hands);

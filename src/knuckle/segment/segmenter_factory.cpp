@@ -3,19 +3,22 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
+#include "knuckle/segment/forest_segmenter.h"
 #include "knuckle/segment/mean_shift_segmenter.h"
+#include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/threshold_segmenter.h"
 
 namespace knuckle {
 namespace {
 
 // The table of methods: their names here, what makes them below.
-constexpr std::array<std::string_view, 2> kNames{"mean_shift", "threshold"};
+constexpr std::array<std::string_view, 3> kNames{"mean_shift", "threshold", "forest"};
 
 template <class Method, class Options>
 std::unique_ptr<Segmenter> create(const OptionTable& table, int max_hands) {
@@ -25,10 +28,20 @@ std::unique_ptr<Segmenter> create(const OptionTable& table, int max_hands) {
   return std::make_unique<Method>(options, max_hands);
 }
 
+/// The model is named by a path relative to the table's file.
+std::unique_ptr<Segmenter> create_forest(const OptionTable& table, int max_hands) {
+  ForestSegmenterOptions options;
+  const std::filesystem::path model = table.resolved_path(table.required_text("model"));
+  table.read(options);
+  table.finish();
+  return std::make_unique<ForestSegmenter>(load_segmentation_forest(model), options, max_hands);
+}
+
 using Create = std::unique_ptr<Segmenter> (*)(const OptionTable& table, int max_hands);
 constexpr std::array<Create, kNames.size()> kCreate{
     create<MeanShiftSegmenter, MeanShiftSegmenterOptions>,
     create<ThresholdSegmenter, ThresholdSegmenterOptions>,
+    create_forest,
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/segment/hand_region.h"
+#include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/segmenter_factory.h"
 #include "knuckle/segment/testing.h"
 
@@ -30,10 +31,30 @@ struct Setup {
   std::string toml;
 };
 
+/// A forest that calls everything a hand; lives as long as the tests.
+const std::filesystem::path& trusting_forest() {
+  static const testing::TemporaryFolder folder;
+  static const std::filesystem::path path = [] {
+    PixelForest::Parts parts;
+    parts.trees.roots = {0};
+    parts.trees.nodes = {{~0, {}, 0}};
+    parts.leaf_codes = {255};
+    save_segmentation_forest(folder / "forest.h5", PixelForest(parts, "test"));
+    return folder / "forest.h5";
+  }();
+  return path;
+}
+
+/// What the table of a method needs beside its options.
+std::string model_line(std::string_view name) {
+  return name == "forest" ? "\nmodel = \"" + trusting_forest().string() + "\"" : "";
+}
+
 class SegmenterTest : public ::testing::TestWithParam<Setup> {
  protected:
   static std::unique_ptr<Segmenter> segmenter(int max_hands = 1) {
-    return create_segmenter(OptionTable::parse(GetParam().toml, "test.toml"), max_hands);
+    return create_segmenter(OptionTable::parse(GetParam().toml + model_line(GetParam().name), "test.toml"),
+                            max_hands);
   }
   static bool finds_several_hands() { return GetParam().toml.find("\"all\"") == std::string::npos; }
 };
@@ -244,13 +265,14 @@ INSTANTIATE_TEST_SUITE_P(AllMethods, SegmenterTest,
                          ::testing::Values(Setup{"mean_shift", ""},
                                            Setup{"threshold_all", "method = \"threshold\"\npixels = \"all\""},
                                            Setup{"threshold_component",
-                                                 "method = \"threshold\"\npixels = \"component\""}),
+                                                 "method = \"threshold\"\npixels = \"component\""},
+                                           Setup{"forest", "method = \"forest\"\nmedian_px = 1"}),
                          [](const auto& setup) { return setup.param.name; });
 
 TEST(SegmenterFactory, MakesEveryMethodByName) {
   for (const std::string_view name : segmenter_names()) {
-    EXPECT_NE(create_segmenter(name, OptionTable::parse("", "a.toml")), nullptr) << name;
-    const std::string toml = "method = \"" + std::string(name) + "\"";
+    EXPECT_NE(create_segmenter(name, OptionTable::parse(model_line(name), "a.toml")), nullptr) << name;
+    const std::string toml = "method = \"" + std::string(name) + "\"" + model_line(name);
     EXPECT_NE(create_segmenter(OptionTable::parse(toml, "a.toml")), nullptr) << name;
   }
 }

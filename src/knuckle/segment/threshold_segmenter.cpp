@@ -6,10 +6,8 @@
 #include <functional>
 #include <string_view>
 
-#include <opencv2/imgproc.hpp>
-
 #include "knuckle/core/error.h"
-#include "knuckle/core/image_cv.h"
+#include "knuckle/segment/components.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/nearest_pixel.h"
 
@@ -32,16 +30,10 @@ PixelList pixels_between(const Image<float>& depth_mm, double near_mm, double fa
 }
 
 /// Parts the pixels of an image of that size into 8-connected components.
-std::vector<PixelList> components_of(const PixelList& pixels, int width, int height) {
+std::vector<PixelList> connected_parts(const PixelList& pixels, int width, int height) {
   Image<std::uint8_t> mask(width, height);
   for (const std::int32_t pixel : pixels) mask.data()[pixel] = 1;
-  Image<std::int32_t> labels(width, height);
-  cv::Mat_<std::int32_t> label_view = cv_view(labels);
-  const int label_count = cv::connectedComponents(cv_view(mask), label_view, 8, CV_32S);
-  std::vector<PixelList> components(
-      static_cast<std::size_t>(std::max(label_count - 1, 0)));  // label 0: background
-  for (const std::int32_t pixel : pixels) components[labels.data()[pixel] - 1].push_back(pixel);
-  return components;
+  return components_of(mask);
 }
 
 }  // namespace
@@ -70,15 +62,7 @@ ThresholdSegmenter::ThresholdSegmenter(const ThresholdSegmenterOptions& options,
 
 HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& frame) const {
   HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
-  const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
-  Point3 sum = Point3::Zero();
-  for (const std::int32_t pixel : pixels) {
-    const int column = pixel % frame.camera.width;
-    const int row = pixel / frame.camera.width;
-    const float depth = frame.depth_mm.data()[pixel];
-    sum += Point3(rays->x(column, row, depth), rays->y(column, row, depth), depth);
-  }
-  region.centre = sum / static_cast<double>(pixels.size());
+  region.centre = mean_point(pixels, *ray_cache_.rays_of(frame.camera), frame.depth_mm);
   region.score = area_mm2(pixels, frame.camera, frame.depth_mm);
   return region;
 }
@@ -87,7 +71,7 @@ std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, co
                                                           double near_mm, double far_mm) const {
   const PixelList all = pixels_between(depth_mm, near_mm, far_mm);
   std::vector<PixelList> parts{all};
-  if (options_.pixels == "component") parts = components_of(all, depth_mm.width(), depth_mm.height());
+  if (options_.pixels == "component") parts = connected_parts(all, depth_mm.width(), depth_mm.height());
   const auto area_of = [&](const PixelList& part) { return area_mm2(part, frame.camera, frame.depth_mm); };
   std::erase_if(parts,
                 [&](const PixelList& part) { return part.empty() || area_of(part) < options_.min_area_mm2; });

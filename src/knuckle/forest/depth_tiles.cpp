@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/forest/depth_tiles.h"
+
+#include <array>
+#include <limits>
+
+#include "knuckle/core/error.h"
+#include "knuckle/forest/content_hash.h"
+
+namespace knuckle {
+
+DepthTiles::DepthTiles(const Image<float>& depth_mm) : width_(depth_mm.width()), height_(depth_mm.height()) {
+  constexpr std::size_t kPixels = std::size_t{kSide} * kSide;
+  const int columns = (width_ + kSide - 1) / kSide;
+  const int rows = (height_ + kSide - 1) / kSide;
+  if (columns * rows > std::numeric_limits<std::uint16_t>::max()) {
+    fail("depth image of {} x {} pixels: too large to train a forest on", width_, height_);
+  }
+  tiles_a_row_ = static_cast<std::size_t>(columns) + 2;
+  tiles_.resize(tiles_a_row_ * (static_cast<std::size_t>(rows) + 2));
+  pixels_.assign(kPixels, kFarDepth);
+  for (int top = 0; top < rows; ++top) {
+    for (int left = 0; left < columns; ++left) {
+      std::array<std::int16_t, kPixels> tile;
+      tile.fill(kFarDepth);
+      bool is_empty = true;
+      for (int y = 0; y < std::min(kSide, height_ - top * kSide); ++y) {
+        for (int x = 0; x < std::min(kSide, width_ - left * kSide); ++x) {
+          const std::int16_t depth = stored_depth(depth_mm(left * kSide + x, top * kSide + y));
+          tile[static_cast<std::size_t>(y * kSide + x)] = depth;
+          is_empty = is_empty && depth == kFarDepth;
+        }
+      }
+      if (is_empty) continue;
+      tiles_[static_cast<std::size_t>(top + 1) * tiles_a_row_ + static_cast<std::size_t>(left) + 1] =
+          static_cast<std::uint16_t>(pixels_.size() / kPixels);
+      pixels_.insert(pixels_.end(), tile.begin(), tile.end());
+    }
+  }
+  pixels_.shrink_to_fit();
+}
+
+std::size_t DepthTiles::bytes() const {
+  return sizeof(DepthTiles) + tiles_.size() * sizeof(tiles_[0]) + pixels_.size() * sizeof(pixels_[0]);
+}
+
+std::uint64_t DepthTiles::hash() const {
+  std::uint64_t hash = mixed_hash(static_cast<std::uint64_t>(width_), static_cast<std::uint64_t>(height_));
+  for (const std::uint16_t tile : tiles_) hash = mixed_hash(hash, tile);
+  for (const std::int16_t pixel : pixels_) hash = mixed_hash(hash, static_cast<std::uint16_t>(pixel));
+  return hash;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/forest/pixel_forest.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/forest/simd.h"
+
+namespace knuckle {
+
+namespace {
+
+using Node = PixelForest::Node;
+using Int16x4 [[gnu::vector_size(8)]] = std::int16_t;
+
+/// Pixels walked at once by a thread: while one waits for a node, the others go on.
+constexpr std::size_t kWalkers = 16;
+/// Pixels handed to a thread in one piece.
+constexpr std::int64_t kPixelsAPiece = 2048;
+
+void check_parts(const PixelForest::Parts& parts, const std::string& origin) {
+  check_trees(parts.trees, parts.leaf_codes.size(), origin);
+  for (std::size_t i = 0; i < parts.trees.nodes.size(); ++i) {
+    const OffsetPair& pair = parts.trees.nodes[i].feature;
+    for (const int offset : {pair.first_x, pair.first_y, pair.second_x, pair.second_y}) {
+      if (std::abs(offset) > kMostOffset) {
+        fail("{}: node {} has an offset of {} mm, expected at most {}", origin, i, offset, kMostOffset);
+      }
+    }
+  }
+}
+
+/// A measured pixel.
+struct Pixel {
+  std::int32_t index = 0;  ///< row * width + column
+  std::int16_t column = 0;
+  std::int16_t row = 0;
+};
+
+std::vector<Pixel> measured_pixels(const BorderedDepth& depth) {
+  std::vector<Pixel> pixels;
+  pixels.reserve(static_cast<std::size_t>(depth.width()) * static_cast<std::size_t>(depth.height()));
+  for (int row = 0; row < depth.height(); ++row) {
+    const std::int16_t* line = depth.data() + row * depth.stride();
+    for (int column = 0; column < depth.width(); ++column) {
+      if (line[column] == kFarDepth) continue;
+      pixels.push_back(
+          {row * depth.width() + column, static_cast<std::int16_t>(column), static_cast<std::int16_t>(row)});
+    }
+  }
+  return pixels;
+}
+
+/// What is the same for all pixels of an image.
+struct Ground {
+  const std::int16_t* depth = nullptr;  // pixel (0, 0)
+  std::int32_t stride = 0;
+  Int32x4 lowest{};  // a pixel out of the image, in x, y, x, y
+  Int32x4 highest{};
+};
+
+/// One pixel on its way down a tree. Lanes are x and y of the first probe, x and y of the second.
+struct Walker {
+  Int32x4 place{};
+  Int32x4 scale{};
+  std::uint32_t node = 0;
+  std::uint32_t pixel = 0;
+};
+
+/// The node that follows: the same arithmetic as offset_feature, four lanes at once.
+std::uint32_t next_node(const Node& node, const Walker& walker, const Ground& ground) {
+  constexpr std::int32_t kHalf = 1 << (PixelScale::kBits - 1);
+  Int16x4 narrow;
+  std::memcpy(&narrow, &node.feature, sizeof(narrow));
+  const Int32x4 offsets = __builtin_convertvector(narrow, Int32x4);
+  Int32x4 probe = walker.place + ((offsets * walker.scale + kHalf) >> PixelScale::kBits);
+  probe = probe < ground.lowest ? ground.lowest : probe;
+  probe = probe > ground.highest ? ground.highest : probe;
+  const int first = ground.depth[probe[1] * ground.stride + probe[0]];
+  const int second = ground.depth[probe[3] * ground.stride + probe[2]];
+  return static_cast<std::uint32_t>(node.next) + (first - second >= node.threshold ? 1U : 0U);
+}
+
+/// Walks some pixels down one tree and adds their leaves' codes to `sums`, one a pixel.
+class TreeWalk {
+ public:
+  TreeWalk(const Node* nodes, const BorderedDepth& depth, const OffsetScale& scale)
+      : nodes_(nodes), depth_(depth), scale_(scale) {
+    ground_.depth = depth.data();
+    ground_.stride = depth.stride();
+    ground_.lowest = Int32x4{-1, -1, -1, -1};
+    ground_.highest = Int32x4{depth.width(), depth.height(), depth.width(), depth.height()};
+  }
+
+  void run(std::uint32_t root, std::span<const Pixel> pixels, std::uint16_t* sums) const {
+    std::array<Walker, kWalkers> walkers;
+    std::size_t active = std::min(kWalkers, pixels.size());
+    for (std::size_t i = 0; i < active; ++i) walkers[i] = start(root, pixels, i);
+    std::size_t next_pixel = active;
+    while (active > 0) {
+      for (std::size_t i = 0; i < active;) {
+        Walker& walker = walkers[i];
+        const Node& node = nodes_[walker.node];
+        if (node.next >= 0) {
+          walker.node = next_node(node, walker, ground_);
+          __builtin_prefetch(nodes_ + walker.node);
+          ++i;
+          continue;
+        }
+        sums[walker.pixel] = static_cast<std::uint16_t>(sums[walker.pixel] + ~node.next);
+        if (next_pixel < pixels.size()) {
+          walker = start(root, pixels, next_pixel++);
+        } else {
+          walker = walkers[--active];
+        }
+      }
+    }
+  }
+
+ private:
+  Walker start(std::uint32_t root, std::span<const Pixel> pixels, std::size_t pixel) const {
+    const std::int32_t column = pixels[pixel].column;
+    const std::int32_t row = pixels[pixel].row;
+    const PixelScale scale = scale_.at(ground_.depth[row * ground_.stride + column]);
+    return {.place = Int32x4{column, row, column, row},
+            .scale = Int32x4{scale.x, scale.y, scale.x, scale.y},
+            .node = root,
+            .pixel = static_cast<std::uint32_t>(pixel)};
+  }
+
+  const Node* nodes_;
+  const BorderedDepth& depth_;
+  const OffsetScale& scale_;
+  Ground ground_;
+};
+
+}  // namespace
+
+PixelForest::PixelForest(Parts parts, const std::string& origin) : parts_(std::move(parts)) {
+  check_parts(parts_, origin);
+  walk_ = parts_.trees.nodes;
+  for (Node& node : walk_) {
+    if (node.next < 0) node.next = ~std::int32_t{parts_.leaf_codes[static_cast<std::size_t>(~node.next)]};
+  }
+}
+
+Image<float> PixelForest::probability(const Image<float>& depth_mm, const Camera& camera) const {
+  if (depth_mm.width() != camera.width || depth_mm.height() != camera.height) {
+    fail("pixel forest: the depth image is {} x {} pixels, its camera {} x {}", depth_mm.width(),
+         depth_mm.height(), camera.width, camera.height);
+  }
+  const BorderedDepth depth(depth_mm);
+  const std::vector<Pixel> pixels = measured_pixels(depth);
+  const OffsetScale scale(camera);
+  const TreeWalk walk(walk_.data(), depth, scale);
+  const float most = static_cast<float>(kMostCode * tree_count());
+  Image<float> probability(depth_mm.width(), depth_mm.height());
+  const std::int64_t pieces = (std::ssize(pixels) + kPixelsAPiece - 1) / kPixelsAPiece;
+  parallel_for(pieces, [&](std::int64_t piece) {
+    const auto first = static_cast<std::size_t>(piece * kPixelsAPiece);
+    const std::span<const Pixel> some = std::span(pixels).subspan(
+        first, std::min(static_cast<std::size_t>(kPixelsAPiece), pixels.size() - first));
+    std::array<std::uint16_t, kPixelsAPiece> sums{};
+    for (const std::uint32_t root : parts_.trees.roots) walk.run(root, some, sums.data());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      probability.data()[some[i].index] = static_cast<float>(sums[i]) / most;
+    }
+  });
+  return probability;
+}
+
+void write_forest(Hdf5File& file, const PixelForest& forest) {
+  const PixelForest::Parts& parts = forest.parts();
+  file.set_attribute("far_depth_mm", double{kFarDepth});
+  write_trees(file, parts.trees);
+  detail::write_rows(file, "leaf_code", parts.leaf_codes, 1, detail::kNodesAChunk);
+}
+
+PixelForest read_pixel_forest(const Hdf5File& file) {
+  const double far = file.number_attribute("far_depth_mm");
+  if (far != kFarDepth) fail("{}: far_depth_mm is {}, expected {}", file.path().string(), far, kFarDepth);
+  PixelForest::Parts parts;
+  parts.trees = read_trees<OffsetPair>(file);
+  parts.leaf_codes = file.read<std::uint8_t>("leaf_code").values;
+  return {std::move(parts), file.path().string()};
+}
+
+}  // namespace knuckle

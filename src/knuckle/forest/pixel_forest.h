@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/hdf5_file.h"
+#include "knuckle/core/image.h"
+#include "knuckle/forest/depth_offsets.h"
+#include "knuckle/forest/flat_trees.h"
+
+namespace knuckle {
+
+/// Classification trees on differences of depth probes (Riegler et al. 2015, equation 1), in flat arrays: for
+/// each pixel of a depth image the probability of class 1.
+class PixelForest {
+ public:
+  using Node = TreeNode<OffsetPair>;
+  static_assert(sizeof(Node) == 16);
+  /// A leaf's probability is its code / kMostCode.
+  static constexpr int kMostCode = 255;
+
+  struct Parts {
+    FlatTrees<OffsetPair> trees;
+    std::vector<std::uint8_t> leaf_codes;  ///< one a leaf
+  };
+
+  /// Throws an Error that starts with `origin` where the parts do not fit together, or an offset is larger
+  /// than kMostOffset.
+  PixelForest(Parts parts, const std::string& origin);
+
+  int tree_count() const { return static_cast<int>(parts_.trees.roots.size()); }
+  const Parts& parts() const { return parts_; }
+
+  /// The mean over the trees of the leaves' probabilities, in [0, 1]; 0 where a pixel was not measured. On
+  /// all threads; the same bits for any number of them. Throws an Error where the image has not the size of
+  /// its camera.
+  Image<float> probability(const Image<float>& depth_mm, const Camera& camera) const;
+
+ private:
+  Parts parts_;
+  std::vector<Node> walk_;  // the nodes, but a leaf leads to itself and keeps its code instead of a feature
+};
+
+/// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
+/// Error that names the file where something is missing or out of range.
+void write_forest(Hdf5File& file, const PixelForest& forest);
+PixelForest read_pixel_forest(const Hdf5File& file);
+
+}  // namespace knuckle

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/forest/pixel_forest_trainer.h"
+
+#include <algorithm>
+#include <csignal>
+#include <numeric>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/forest/forest_testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::ball_scenes;
+using testing::BallScene;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::samples_of;
+using testing::TemporaryFolder;
+
+PixelForestOptions small_options() {
+  PixelForestOptions options;
+  options.trees = 3;
+  options.tree.splits_per_node = 40;
+  options.tree.samples_per_node = 200;
+  options.tree.min_leaf_samples = 2;
+  options.offsets.offsets_per_node = 32;
+  return options;
+}
+
+void expect_same(const PixelForest& a, const PixelForest& b) {
+  ASSERT_EQ(a.parts().trees.roots, b.parts().trees.roots);
+  ASSERT_EQ(a.parts().trees.nodes.size(), b.parts().trees.nodes.size());
+  for (std::size_t i = 0; i < a.parts().trees.nodes.size(); ++i) {
+    const auto& x = a.parts().trees.nodes[i];
+    const auto& y = b.parts().trees.nodes[i];
+    ASSERT_TRUE(x.next == y.next && x.feature == y.feature && x.threshold == y.threshold) << i;
+  }
+  EXPECT_EQ(a.parts().leaf_codes, b.parts().leaf_codes);
+}
+
+TEST(TrainPixelForest, MemorisesATinySetExactly) {
+  const std::vector<BallScene> scenes = ball_scenes(4);
+  PixelForestOptions options;
+  options.tree.splits_per_node = 300;
+  options.tree.min_leaf_samples = 1;
+  const PixelForest forest = train_pixel_forest(samples_of(scenes), options);
+  for (const BallScene& scene : scenes) {
+    const Image<float> probability = forest.probability(scene.depth_mm, scene.camera);
+    for (const auto& [column, row, label] : scene.pixels) ASSERT_EQ(probability(column, row), label);
+  }
+}
+
+TEST(TrainPixelForest, FindsBallsItHasNotSeen) {
+  const PixelForest forest = train_pixel_forest(samples_of(ball_scenes(60)), small_options());
+  int right = 0;
+  int all = 0;
+  for (std::uint64_t seed = 100; seed < 110; ++seed) {
+    const BallScene scene(seed);
+    const Image<float> probability = forest.probability(scene.depth_mm, scene.camera);
+    for (const auto& [column, row, label] : scene.pixels) {
+      right += (probability(column, row) > 0.5F) == (label == 1) ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_GT(right, 0.97 * all);
+}
+
+TEST(TrainPixelForest, LeavesHoldThePartOfClassOne) {
+  const std::vector<BallScene> scenes = ball_scenes(1);
+  PixelForestOptions options = small_options();
+  options.trees = 1;
+  options.tree.max_depth = 0;
+  PixelSamples samples(1);
+  std::vector<LabelledPixel> pixels(scenes[0].pixels.begin() + 30, scenes[0].pixels.end());
+  samples.set(0, scenes[0].depth_mm, scenes[0].camera, pixels);  // 10 of class 0, 40 of class 1
+  EXPECT_EQ(train_pixel_forest(samples, options).parts().leaf_codes, std::vector<std::uint8_t>{204});
+}
+
+TEST(TrainPixelForest, DoesNotDependOnTheOrderOfImages) {
+  const std::vector<BallScene> scenes = ball_scenes(20);
+  PixelForestOptions options = small_options();
+  options.tree.bagging_fraction = 0.7;
+  const PixelForest forest = train_pixel_forest(samples_of(scenes), options);
+  std::vector<std::int64_t> place(20);
+  std::iota(place.begin(), place.end(), 0);
+  std::rotate(place.begin(), place.begin() + 7, place.end());
+  std::reverse(place.begin(), place.begin() + 9);
+  std::vector<BallScene> shuffled = scenes;
+  for (BallScene& scene : shuffled) std::ranges::reverse(scene.pixels);
+  expect_same(forest, train_pixel_forest(samples_of(shuffled, place), options));
+}
+
+TEST(TrainPixelForest, DoesNotDependOnThreads) {
+  const PixelSamples samples = samples_of(ball_scenes(60));
+  PixelForestOptions options = small_options();
+  options.tree.samples_per_node = 2000;  // nodes above and below the size that shares candidates
+  set_thread_count(1);
+  const PixelForest one = train_pixel_forest(samples, options);
+  set_thread_count(2);
+  const PixelForest two = train_pixel_forest(samples, options);
+  set_thread_count(0);
+  expect_same(one, two);
+}
+
+TEST(TrainPixelForest, GoesOnFromWhereverItWasStopped) {
+  const TemporaryFolder folder;
+  const PixelSamples samples = samples_of(ball_scenes(20));
+  const PixelForestOptions options = small_options();
+  std::vector<std::size_t> nodes_at_call;
+  const TrainingRun watched{.nodes_done = [&](std::size_t nodes) { nodes_at_call.push_back(nodes); }};
+  const PixelForest whole = train_pixel_forest(samples, options, watched);
+  ASSERT_GT(nodes_at_call.size(), 10U);
+  for (std::size_t stop = 1; stop <= nodes_at_call.size(); stop += 3) {
+    std::size_t calls = 0;
+    TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+    run.nodes_done = [&](std::size_t) {
+      if (++calls == stop) throw Error("stopped");
+    };
+    EXPECT_EQ(error_of([&] { (void)train_pixel_forest(samples, options, run); }), "stopped");
+    calls = 0;
+    run.nodes_done = [&](std::size_t nodes) {
+      if (++calls == 1 && stop < nodes_at_call.size()) {
+        EXPECT_EQ(nodes, nodes_at_call[stop]);  // nothing is split twice
+      }
+    };
+    expect_same(whole, train_pixel_forest(samples, options, run));
+    EXPECT_EQ(calls, nodes_at_call.size() - stop);
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
+}
+
+/// The same with a process that is killed, at whatever it happens to do.
+TEST(TrainPixelForest, SurvivesBeingKilled) {
+  const TemporaryFolder folder;
+  PixelForestOptions options = small_options();
+  options.tree.splits_per_node = 400;
+  set_thread_count(1);
+  const PixelSamples samples = samples_of(ball_scenes(20));
+  const TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+  int kills = 0;
+  for (int attempt = 0; attempt < 12; ++attempt) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      try {
+        (void)train_pixel_forest(samples, options, run);
+      } catch (...) {
+        ::_exit(2);
+      }
+      ::_exit(0);
+    }
+    ::usleep(static_cast<useconds_t>(3000 + 1700 * attempt));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    kills += WIFSIGNALED(status) ? 1 : 0;
+    EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+  }
+  EXPECT_GT(kills, 0);
+  const PixelForest resumed = train_pixel_forest(samples, options, run);
+  set_thread_count(0);
+  expect_same(resumed, train_pixel_forest(samples, options));
+}
+
+TEST(TrainPixelForest, RefusesACheckpointOfAnotherTraining) {
+  const TemporaryFolder folder;
+  const PixelSamples samples = samples_of(ball_scenes(5));
+  PixelForestOptions options = small_options();
+  TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+  run.nodes_done = [](std::size_t nodes) {
+    if (nodes > 3) throw Error("stopped");
+  };
+  EXPECT_EQ(error_of([&] { (void)train_pixel_forest(samples, options, run); }), "stopped");
+  run.nodes_done = nullptr;
+  options.offsets.farthest_offset_mm = 500.0;
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options, run); }),
+              AllOf(HasSubstr("c.h5.tree"), HasSubstr("other options or samples")));
+}
+
+TEST(TrainPixelForest, RefusesSetsItCannotLearnFrom) {
+  const PixelForestOptions options = small_options();
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(PixelSamples(3), options); }), HasSubstr("no samples"));
+  BallScene scene(1);
+  std::erase_if(scene.pixels, [](const LabelledPixel& pixel) { return pixel.label == 1; });
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples_of({scene}), options); }),
+              HasSubstr("all 40 samples are of class 0, expected both"));
+}
+
+TEST(TrainPixelForest, RefusesBadOptionsAndTooSmallAMemory) {
+  const PixelSamples samples = samples_of(ball_scenes(5));
+  PixelForestOptions options = small_options();
+  options.offsets.nearest_offset_mm = 900.0;
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }),
+              AllOf(HasSubstr("nearest_offset_mm is 900"), HasSubstr("600")));
+  options = small_options();
+  options.offsets.offsets_per_node = 1;
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }), HasSubstr("offsets_per_node"));
+  options = small_options();
+  options.memory_gb = 1e-4;
+  EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }),
+              AllOf(HasSubstr("5 images with 400 samples"), HasSubstr("memory_gb is 0.0001;"),
+                    HasSubstr("would fit")));
+}
+
+}  // namespace
+}  // namespace knuckle

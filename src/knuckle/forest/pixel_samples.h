@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/image.h"
+#include "knuckle/forest/depth_tiles.h"
+
+namespace knuckle {
+
+/// A pixel of a depth image and its class: 0 or 1.
+struct LabelledPixel {
+  std::int16_t column = 0;
+  std::int16_t row = 0;
+  std::uint8_t label = 0;
+};
+
+/// Pixels of many depth images, to train a forest on. Images are set in any order, from many threads at once,
+/// each at most once; those never set do not take part.
+class PixelSamples {
+ public:
+  /// Room for `images` images.
+  explicit PixelSamples(std::int64_t images);
+
+  /// Keeps image `index` (as DepthTiles) and these pixels of it. Returns the bytes that they take. Throws an
+  /// Error where the image has not its camera's size, or a pixel lies outside, is not measured
+  /// within kFarDepth, or has another label.
+  std::size_t set(std::int64_t index, const Image<float>& depth_mm, const Camera& camera,
+                  std::span<const LabelledPixel> pixels);
+
+  std::int64_t sample_count() const;
+  /// What images and pixels take so far.
+  std::size_t bytes() const;
+
+  struct DepthImage {
+    DepthTiles depth;
+    OffsetScale scale{Camera{}};
+    std::vector<LabelledPixel> pixels;
+    std::size_t bytes() const;
+  };
+  std::span<const DepthImage> images() const { return images_; }
+
+ private:
+  std::vector<DepthImage> images_;
+};
+
+/// The samples in the order that training works in: by contents only (a 64-bit hash of each image and its
+/// samples), so that the forest does not depend on the order in which images were handed over.
+struct ArrangedSamples {
+  struct Sample {
+    std::uint32_t image = 0;
+    std::int16_t column = 0;
+    std::int16_t row = 0;
+  };
+
+  std::vector<Sample> samples;
+  std::vector<std::uint8_t> labels;
+  std::uint64_t hash = 0;  ///< of all of them
+};
+
+/// Throws an Error where there are more than 2^32 - 1.
+ArrangedSamples arranged(const PixelSamples& samples);
+
+}  // namespace knuckle

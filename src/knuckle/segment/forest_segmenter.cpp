@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/forest_segmenter.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/image_cv.h"
+#include "knuckle/segment/components.h"
+#include "knuckle/segment/hand_region.h"
+
+namespace knuckle {
+namespace {
+
+using PixelList = std::vector<std::int32_t>;
+
+constexpr double kAtStart = 20.0;  // [mm]
+
+void check_odd(int size, std::string_view name) {
+  if (size % 2 == 0) fail("forest segmentation: {} is {}, expected an odd number", name, size);
+}
+
+/// Majority, closing, opening: each a square of that many pixels.
+void clean(Image<std::uint8_t>& mask, const ForestSegmenterOptions& options) {
+  cv::Mat_<std::uint8_t> view = cv_view(mask);
+  // For a mask the median is the majority: a mean against a half, which OpenCV computes for any size.
+  if (options.median_px > 1) {
+    cv::Mat sums;
+    cv::boxFilter(view, sums, CV_32S, {options.median_px, options.median_px}, {-1, -1}, false,
+                  cv::BORDER_CONSTANT);
+    const int half = options.median_px * options.median_px / 2;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      mask.data()[i] = sums.ptr<std::int32_t>()[i] > half ? 1 : 0;
+    }
+  }
+  const auto square = [](int side) { return cv::getStructuringElement(cv::MORPH_RECT, {side, side}); };
+  if (options.closing_px > 1) cv::morphologyEx(view, view, cv::MORPH_CLOSE, square(options.closing_px));
+  if (options.opening_px > 1) cv::morphologyEx(view, view, cv::MORPH_OPEN, square(options.opening_px));
+}
+
+Image<std::uint8_t> hand_mask(const Image<float>& probability, const Image<float>& depth_mm,
+                              const ForestSegmenterOptions& options) {
+  Image<std::uint8_t> mask(probability.width(), probability.height());
+  const auto threshold = static_cast<float>(options.probability);
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = probability.data()[i] > threshold ? 1 : 0;
+  clean(mask, options);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (!is_measured(depth_mm.data()[i])) mask.data()[i] = 0;
+  }
+  return mask;
+}
+
+double expected_area(const PixelList& pixels, const Frame& frame, const Image<float>& probability) {
+  double area = 0.0;
+  for (const std::int32_t pixel : pixels) {
+    area += probability.data()[pixel] * pixel_area_mm2(frame.camera, frame.depth_mm.data()[pixel]);
+  }
+  return area;
+}
+
+double distance_to(const Point3& start, const PixelList& pixels, const RayTable& rays, const Frame& frame) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const std::int32_t pixel : pixels) {
+    nearest = std::min(nearest, (mean_point({pixel}, rays, frame.depth_mm) - start).norm());
+  }
+  return nearest;
+}
+
+}  // namespace
+
+void ForestSegmenterOptions::visit(OptionVisitor& visitor) {
+  visitor.real("probability", probability, closed_open(0, 1));
+  visitor.integer("median_px", median_px, closed(1, 31));
+  visitor.integer("closing_px", closing_px, closed(1, 31));
+  visitor.integer("opening_px", opening_px, closed(1, 31));
+  visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
+}
+
+ForestSegmenter::ForestSegmenter(PixelForest forest, const ForestSegmenterOptions& options, int max_hands)
+    : forest_(std::move(forest)), options_(options), max_hands_(max_hands) {
+  check_options(options_, "forest segmentation");
+  check_odd(options_.median_px, "median_px");
+  check_odd(options_.closing_px, "closing_px");
+  check_odd(options_.opening_px, "opening_px");
+  check_max_hands(max_hands);
+}
+
+Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
+  check_size(frame);
+  check_start(frame, start);
+  Segmentation result;
+  result.reason = "no surface was measured in the frame";
+  if (frame.depth_mm.empty()) return result;
+  const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
+  const Image<float> probability = forest_.probability(frame.depth_mm, frame.camera);
+
+  std::vector<std::pair<double, HandRegion>> found;  // with the distance from the start
+  for (const PixelList& pixels : components_of(hand_mask(probability, frame.depth_mm, options_))) {
+    if (area_mm2(pixels, frame.camera, frame.depth_mm) < options_.min_area_mm2) continue;
+    HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
+    region.centre = mean_point(pixels, *rays, frame.depth_mm);
+    region.score = expected_area(pixels, frame, probability);
+    const double distance = start ? std::max(distance_to(*start, pixels, *rays, frame), kAtStart) : 0.0;
+    found.emplace_back(distance, std::move(region));
+  }
+  std::ranges::stable_sort(found, {},
+                           [](const auto& hand) { return std::pair(hand.first, -hand.second.score); });
+  if (std::ssize(found) > max_hands_) found.resize(static_cast<std::size_t>(max_hands_));
+  for (auto& [distance, region] : found) result.hands.push_back(std::move(region));
+  result.reason.clear();
+  if (result.hands.empty()) {
+    result.reason = fmt::format("no surface of at least {:.0f} mm^2 that the forest takes for a hand",
+                                options_.min_area_mm2);
+  }
+  return result;
+}
+
+}  // namespace knuckle
