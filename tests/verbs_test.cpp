@@ -119,9 +119,9 @@ TEST_F(VerbsTest, RenderMakesAContactSheetAloneOrBesideItsFrames) {
     const Image<Rgb> picture = read_png_rgb(path("sheet.png"));
     return std::pair(picture.width(), picture.height());
   };
-  EXPECT_EQ(sheet({"--count", "5", "--first", "3"}), std::pair(624, 318));
+  EXPECT_EQ(sheet({"--count", "5", "--first", "3"}), std::pair(1074, 318));
   EXPECT_THAT(entries_of(folder_.path()), ::testing::ElementsAre("sheet.png"));
-  EXPECT_EQ(sheet({"--count", "5", "--tiles", "2", "--out", path("a.h5")}), std::pair(418, 162));
+  EXPECT_EQ(sheet({"--count", "5", "--tiles", "2", "--out", path("a.h5")}), std::pair(718, 162));
   EXPECT_THAT(run_program({"inspect", "--source", "h5:" + path("a.h5")}), Succeeded());
   EXPECT_EQ(run_program({"render", "--manifest", "manifests/demo.toml"}).status, 2) << "nothing to make";
 }

@@ -12,8 +12,8 @@ namespace knuckle {
 
 /// How a contact sheet is laid out.
 struct ContactSheetOptions {
-  int columns = 8;          ///< [1, 100]
-  int tile_width_px = 200;  ///< width of one frame's picture, [32, 2000]
+  int columns = 6;          ///< [1, 100]
+  int tile_width_px = 200;  ///< width of a whole frame's picture, [32, 2000]
 
   void visit(OptionVisitor& visitor);
 };
@@ -22,8 +22,9 @@ struct ContactSheetOptions {
 /// fewer. Throws an Error where one of the numbers is impossible.
 std::vector<std::int64_t> spread_frames(std::int64_t first, std::int64_t count, int tiles);
 
-/// Small pictures of these frames in rows: depth, near is bright; the hand's mask tinted; the true skeleton;
-/// the frame's index. Frames are read on all threads. Throws an Error where there is no frame.
+/// Small pictures of these frames in rows: the whole frame with its index, near depth is bright, the hand's
+/// mask tinted; and beside it the hand from near with its true skeleton. Frames are read on all threads.
+/// Throws an Error where there is no frame.
 Image<Rgb> contact_sheet(const FrameSource& source, const std::vector<std::int64_t>& frames,
                          const ContactSheetOptions& options = {});
 

@@ -26,13 +26,13 @@ TEST(ContactSheet, FramesAreSpreadFromTheFirstToTheLast) {
 TEST(ContactSheet, HasATileForEachFrame) {
   const FakeSource source(testing::example_truth(5));  // 64 x 48 pixels
   const Image<Rgb> sheet = contact_sheet(source, {0, 1, 2, 3, 4}, {3, 128});
-  EXPECT_EQ(sheet.width(), 6 + 3 * (128 + 6));
+  EXPECT_EQ(sheet.width(), 6 + 3 * (128 + 96 + 6));
   EXPECT_EQ(sheet.height(), 6 + 2 * (96 + 6));
   const Rgb paper = sheet(0, 0);
   const auto differs = [&](int column, int row) { return !(sheet(column, row) == paper); };
   EXPECT_TRUE(differs(6, 6));
-  EXPECT_TRUE(differs(6 + 134, 6 + 102));
-  EXPECT_FALSE(differs(6 + 2 * 134 + 60, 6 + 102 + 40)) << "the sixth place is empty";
+  EXPECT_TRUE(differs(6 + 230, 6 + 102));
+  EXPECT_FALSE(differs(6 + 2 * 230 + 60, 6 + 102 + 40)) << "the sixth place is empty";
 }
 
 TEST(ContactSheet, ShowsTheSkeletonWhereThereIsTruth) {

@@ -83,6 +83,18 @@ void draw_with(cv::Mat& canvas, const HandPose& pose, const PictureMap& to_pictu
   }
 }
 
+/// A part of an image; pixels beyond its border are `outside`.
+template <class T>
+Image<T> crop_of(const Image<T>& image, const Box& crop, const T& outside) {
+  Image<T> result(crop.width, crop.height, outside);
+  const Box inside = intersection(crop, {0, 0, image.width(), image.height()});
+  for (int row = inside.y; row < inside.bottom(); ++row) {
+    const auto source = image.row(row).subspan(inside.x, inside.width);
+    std::ranges::copy(source, result.row(row - crop.y).begin() + (inside.x - crop.x));
+  }
+  return result;
+}
+
 }  // namespace
 
 Rgb mixed(const Rgb& from, const Rgb& to, double share) {
@@ -118,13 +130,11 @@ DepthRange depth_range_in(const Image<float>& depth_mm, const Box& crop) {
 
 Image<Rgb> picture_of(const Image<float>& depth_mm, const View& view, const DepthRange& range) {
   if (view.crop.empty() || !(view.scale > 0.0)) fail("a picture needs a crop and a scale above 0");
-  Image<float> cropped(view.crop.width, view.crop.height);
-  const Box inside = intersection(view.crop, {0, 0, depth_mm.width(), depth_mm.height()});
-  for (int row = inside.y; row < inside.bottom(); ++row) {
-    const auto source = depth_mm.row(row).subspan(inside.x, inside.width);
-    std::ranges::copy(source, cropped.row(row - view.crop.y).begin() + (inside.x - view.crop.x));
-  }
-  return resized(colour_mapped(cropped, range), view.width(), view.height());
+  return resized(colour_mapped(crop_of(depth_mm, view.crop, 0.0f), range), view.width(), view.height());
+}
+
+Image<Rgb> cropped(const Image<Rgb>& picture, const Box& crop) {
+  return crop_of(picture, crop, kNoMeasurement);
 }
 
 Image<Rgb> resized(const Image<Rgb>& picture, int width, int height) {

@@ -61,6 +61,9 @@ void draw_text(Image<Rgb>& picture, std::string_view text, int x, int y);
 /// The colour `share` of the way from one to the other, in [0, 1].
 Rgb mixed(const Rgb& from, const Rgb& to, double share);
 
+/// A part of a picture, which may reach over its border: ground there is the colour of no measurement.
+Image<Rgb> cropped(const Image<Rgb>& picture, const Box& crop);
+
 /// The picture at another size, at least 1 x 1: smoothed where it shrinks.
 Image<Rgb> resized(const Image<Rgb>& picture, int width, int height);
 

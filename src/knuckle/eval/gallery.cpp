@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/eval/drawing.h"
 #include "knuckle/eval/segmentation_metrics.h"
@@ -126,10 +127,21 @@ class FramePictures {
     const std::optional<Rectangle> hand = hand_rectangle();
     if (!hand) return whole_view();
     const double extent = std::max(hand->right - hand->left, hand->bottom - hand->top);
-    const int side = static_cast<int>(std::ceil(std::clamp(kMargin * extent, kSmallest, kLargest)));
+    const double shown = std::max(kMargin * extent, open_hand_px());
+    const int side = static_cast<int>(std::ceil(std::clamp(shown, kSmallest, kLargest)));
     const int x = static_cast<int>(std::lround((hand->left + hand->right - side) / 2.0));
     const int y = static_cast<int>(std::lround((hand->top + hand->bottom - side) / 2.0));
     return {{x, y, side, side}, picture_size / side};
+  }
+
+  /// Without truth the estimates may be too small: how many pixels an open hand with some ground around it
+  /// takes where they lie. 0 where truth says how large the hand is.
+  double open_hand_px() const {
+    constexpr double kOpenHand = 280.0;  // [mm]
+    const bool has_truth = truth_ != nullptr && !truth_->is_missing();
+    const std::vector<double> depths = joint_depths();
+    if (has_truth || depths.empty() || frame_.depth_mm.empty()) return 0.0;
+    return kOpenHand * Projection(frame_.camera).pixels_per_mm(std::ranges::min(depths));
   }
 
   /// The whole image in a square.
@@ -140,11 +152,8 @@ class FramePictures {
     return {{(width - side) / 2, (height - side) / 2, side, side}, double(options_.picture_size_px) / side};
   }
 
-  /// From a little before the nearest joint to a little behind the farthest; all that is in view where no
-  /// hand is known.
-  DepthRange hand_depths(const View& view) const {
-    constexpr double kBefore = 30.0;  // [mm], joints lie below the skin
-    constexpr double kBehind = 60.0;  // [mm]
+  /// Depths of the true joints, or else of the first method's that has any.
+  std::vector<double> joint_depths() const {
     std::vector<double> depths;
     const auto add = [&](const HandPose& pose) {
       for (const ImagePoint& joint : pose.joints) {
@@ -155,6 +164,15 @@ class FramePictures {
     for (std::size_t method = 0; depths.empty() && method < input_.methods.size(); ++method) {
       add(predicted(method));
     }
+    return depths;
+  }
+
+  /// From a little before the nearest joint to a little behind the farthest; all that is in view where no
+  /// hand is known.
+  DepthRange hand_depths(const View& view) const {
+    constexpr double kBefore = 30.0;  // [mm], joints lie below the skin
+    constexpr double kBehind = 60.0;  // [mm]
+    const std::vector<double> depths = joint_depths();
     if (depths.empty()) return depth_range_in(frame_.depth_mm, view.crop);
     return {std::ranges::min(depths) - kBefore, std::ranges::max(depths) + kBehind};
   }
