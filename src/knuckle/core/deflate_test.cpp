@@ -2,7 +2,6 @@
 #include "knuckle/core/deflate.h"
 
 #include <string_view>
-#include <utility>
 
 #include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/random.h"
@@ -42,62 +41,22 @@ TEST(Deflate, ZlibReadsWhatItMakes) {
   for (const std::size_t size : {1, 2, 3, 4, 257, 258, 259, 260, 1000, 40000}) {
     for (const std::uint32_t values : {1u, 2u, 17u, 256u}) {
       const std::vector<std::uint8_t> bytes = patches(random, size, values);
-      for (const std::size_t block : {std::size_t{1000}, size})
-        EXPECT_EQ(inflated(deflated(bytes, block), size), bytes) << size << " " << values << " " << block;
+      EXPECT_EQ(inflated(deflated(bytes), size), bytes) << size << " " << values;
     }
   }
 }
 
-TEST(Deflate, ARunOfEveryLengthIsExact) {
-  std::vector<std::uint8_t> bytes;
-  for (std::size_t length = 1; length < 600; ++length)
-    bytes.insert(bytes.end(), length, static_cast<std::uint8_t>(length));
-  EXPECT_EQ(inflated(deflated(bytes, bytes.size()), bytes.size()), bytes);
-}
-
-TEST(Deflate, CodesAreShortenedToTheirLimit) {
-  std::vector<std::uint8_t> bytes;  // counts that grow like Fibonacci's numbers want codes of 22 bits
-  std::size_t before = 1;
-  std::size_t count = 1;
-  for (std::uint8_t value = 0; value < 22; ++value, before = std::exchange(count, count + before)) {
-    for (std::size_t i = 0; i < count; ++i) bytes.insert(bytes.end(), {value, 200});
-  }
-  EXPECT_EQ(inflated(deflated(bytes, bytes.size()), bytes.size()), bytes);
-}
-
 TEST(Deflate, MakesPlainAreasSmallAndNoiseHardlyLarger) {
-  EXPECT_LT(deflated(std::vector<std::uint8_t>(100000, 7), 100000).size(), 200u);
+  EXPECT_LT(deflated(std::vector<std::uint8_t>(100000, 7)).size(), 200u);
   Random random(9);
   std::vector<std::uint8_t> noise(100000);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(random.below(256));
-  EXPECT_LT(deflated(noise, noise.size()).size(), 100500u);
-}
-
-TEST(Deflate, NothingIsAStreamToo) {
-  EXPECT_EQ(deflated({}, 10).size(), deflated({}, 20).size());
+  EXPECT_LT(deflated(noise).size(), 100500u);
 }
 
 TEST(Deflate, ChecksumOfAKnownText) {
   const std::string_view text = "Wikipedia";  // 0x11e60398, the example that the checksum's article gives
   EXPECT_EQ(adler32({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}), 0x11e60398u);
-}
-
-TEST(Deflate, ChecksumOfMuchIsThatOfTheDefinition) {
-  Random random(2);
-  const std::vector<std::uint8_t> bytes = patches(random, 50000, 256);
-  std::uint64_t low = 1;
-  std::uint64_t high = 0;
-  for (const std::uint8_t byte : bytes) {
-    low = (low + byte) % 65521;
-    high = (high + low) % 65521;
-  }
-  EXPECT_EQ(adler32(bytes), high << 16 | low);
-  EXPECT_EQ(adler32(std::vector<std::uint8_t>(300000, 255)) >> 16, [] {
-    std::uint64_t a = 1;
-    std::uint64_t b = 0;
-    for (int i = 0; i < 300000; ++i) b = (b + (a = (a + 255) % 65521)) % 65521;
-    return b;
-  }());
 }
 
 TEST(Deflate, ShuffledPutsLowBytesFirst) {

@@ -36,7 +36,7 @@ std::array<float, std::size_t{kSupersetSize} * 3> joints_in_camera(const Frame& 
 
 /// Low and high bytes are coded apart.
 std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& image) {
-  return deflated(shuffled(image.pixels()), image.size());
+  return deflated(shuffled(image.pixels()));
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_v
   StoredFrame stored{frame.camera, joints_in_camera(frame), {}, {}, {}};
   stored.depth = chunk_of(counts_from_depth(frame.depth_mm, depth_unit_mm, where));
   if (!frame.infrared.empty()) stored.infrared = chunk_of(frame.infrared);
-  if (!frame.mask.empty()) stored.mask = deflated(mask_from_pixels(frame.mask).pixels(), frame.mask.size());
+  if (!frame.mask.empty()) stored.mask = deflated(mask_from_pixels(frame.mask).pixels());
   return stored;
 }
 
