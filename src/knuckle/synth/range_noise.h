@@ -20,6 +20,7 @@ struct RangeNoiseOptions {
   double sigma_mm = 3.0;   ///< at no range, [0, 100] [mm]
   double growth_mm = 0.0;  ///< what is added at 1 m, [0, 1000] [mm]
   double slant_mm = 0.0;   ///< what is added at an angle of 45 degrees, [0, 100] [mm]
+  int grain_px = 1;        ///< noise is alike over so many pixels; 1: every pixel has its own, [1, 64] [px]
 
   void visit(OptionVisitor& visitor);
 };

@@ -73,6 +73,43 @@ TEST(RangeNoise, NeighboursAreIndependent) {
   EXPECT_NEAR(below / (399 * 299), 0.0, 0.13);
 }
 
+/// Mean product of the errors of pixels `distance` apart in a row, over many frames.
+double covariance(const RangeNoiseOptions& options, int distance) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const Image<float> noisy = with_range_noise(Image<float>(50, 9, 700.0f), {}, options, seed);
+    for (int row = 0; row < 9; ++row) {
+      for (int column = 0; column + distance < 50; ++column) {
+        sum += (noisy(column, row) - 700.0) * (noisy(column + distance, row) - 700.0);
+        ++count;
+      }
+    }
+  }
+  return sum / count;
+}
+
+TEST(RangeNoise, AGrainIsSharedByNeighboursOnly) {
+  const RangeNoiseOptions options{.sigma_mm = 3.0, .grain_px = 4};
+  EXPECT_NEAR(covariance(options, 0), 9.0, 0.3);
+  EXPECT_GT(covariance(options, 1), 0.85 * 9.0);
+  EXPECT_LT(covariance(options, 4), 0.5 * 9.0);
+  EXPECT_NEAR(covariance(options, 8), 0.0, 0.3);
+}
+
+TEST(RangeNoise, AGrainKeepsTheDeviationAtEveryPixel) {
+  const RangeNoiseOptions options{.sigma_mm = 2.0, .grain_px = 3};
+  Image<double> squares(14, 7);
+  constexpr int kFrames = 4000;
+  for (std::uint64_t seed = 0; seed < kFrames; ++seed) {
+    const Image<float> noisy = with_range_noise(Image<float>(14, 7, 500.0f), {}, options, seed);
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      squares.data()[i] += std::pow(noisy.data()[i] - 500.0, 2) / kFrames;
+    }
+  }
+  for (const double square : squares.pixels()) EXPECT_NEAR(std::sqrt(square), 2.0, 0.1);
+}
+
 TEST(RangeNoise, IsAFunctionOfSeedAndPlace) {
   Image<float> image(51, 40, 500.0f);
   const Image<float> all = with_range_noise(image, {}, {}, 9);
@@ -82,6 +119,17 @@ TEST(RangeNoise, IsAFunctionOfSeedAndPlace) {
   const Image<float> part = with_range_noise(image, {}, {}, 9);
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(part.data()[i], 0.0f);
   for (int i = 1000; i < 2040; ++i) EXPECT_EQ(all.data()[i], part.data()[i]);
+}
+
+TEST(RangeNoise, AGrainIsAFunctionOfSeedAndPlaceToo) {
+  const RangeNoiseOptions options{.grain_px = 5};
+  Image<float> image(51, 40, 500.0f);
+  const Image<float> all = with_range_noise(image, {}, options, 9);
+  EXPECT_NE(all, with_range_noise(image, {}, options, 10));
+  for (int i = 0; i < 1020; ++i) image.data()[i] = 0.0f;
+  const Image<float> part = with_range_noise(image, {}, options, 9);
+  for (int i = 0; i < 1020; ++i) EXPECT_EQ(part.data()[i], 0.0f);
+  for (int i = 1020; i < 2040; ++i) EXPECT_EQ(all.data()[i], part.data()[i]);
 }
 
 TEST(RangeNoise, OffIsExact) {

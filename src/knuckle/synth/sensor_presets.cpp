@@ -31,7 +31,7 @@ SensorPreset creative() {
   SensorPreset preset = paper();
   preset.sensor.flying.flying_px = 1.0;
   preset.sensor.infrared = {.infrared = 1000.0, .infrared_sigma = 20.0};
-  preset.sensor.noise = {.sigma_mm = 2.0, .growth_mm = 6.0, .slant_mm = 0.3};
+  preset.sensor.noise = {.sigma_mm = 2.0, .growth_mm = 6.0, .slant_mm = 0.3, .grain_px = 2};
   preset.sensor.drop_outs = {.grazing_deg = 80.0, .near_mm = 150.0, .range_mm = 1000.0, .hole_share = 0.002};
   return preset;
 }
@@ -41,7 +41,7 @@ SensorPreset pico() {
   SensorPreset preset = creative();
   preset.camera = centred_camera(160, 120, 92.03, 92.39);
   preset.sensor.infrared = {.infrared = 600.0, .infrared_sigma = 15.0};
-  preset.sensor.noise = {.sigma_mm = 2.0, .growth_mm = 8.0, .slant_mm = 0.3};
+  preset.sensor.noise = {.sigma_mm = 2.0, .growth_mm = 8.0, .slant_mm = 0.3, .grain_px = 1};
   return preset;
 }
 
@@ -50,9 +50,9 @@ SensorPreset pico() {
 SensorPreset kinect_v1() {
   SensorPreset preset{centred_camera(640, 480, 585.0, 585.0), {}};
   preset.sensor.structured_light = {.baseline_mm = 75.0, .disparity_px = 0.125};
-  preset.sensor.lateral.lateral_px = 0.8;
+  preset.sensor.lateral.lateral_px = 0.35;
   preset.sensor.infrared = {.infrared = 500.0, .infrared_sigma = 20.0};
-  preset.sensor.noise = {.sigma_mm = 0.0, .growth_mm = 1.43, .slant_mm = 0.1};
+  preset.sensor.noise = {.sigma_mm = 0.0, .growth_mm = 1.43, .slant_mm = 0.1, .grain_px = 5};
   preset.sensor.drop_outs = {.grazing_deg = 75.0, .near_mm = 400.0, .range_mm = 4000.0, .hole_share = 0.001};
   return preset;
 }
@@ -62,7 +62,7 @@ SensorPreset kinect_v2() {
   SensorPreset preset{centred_camera(512, 424, 365.0, 365.0), {}};
   preset.sensor.flying.flying_px = 1.0;
   preset.sensor.infrared = {.infrared = 2000.0, .infrared_sigma = 20.0};
-  preset.sensor.noise = {.sigma_mm = 1.3, .growth_mm = 0.0, .slant_mm = 0.1};
+  preset.sensor.noise = {.sigma_mm = 1.3, .growth_mm = 0.0, .slant_mm = 0.1, .grain_px = 2};
   preset.sensor.drop_outs = {.grazing_deg = 82.0, .near_mm = 500.0, .range_mm = 4500.0, .hole_share = 0.001};
   return preset;
 }
@@ -72,9 +72,9 @@ SensorPreset kinect_v2() {
 SensorPreset sr300() {
   SensorPreset preset{centred_camera(640, 480, 475.0, 475.0), {}};
   preset.sensor.structured_light = {.baseline_mm = -50.0};
-  preset.sensor.lateral.lateral_px = 0.5;
+  preset.sensor.lateral.lateral_px = 0.2;
   preset.sensor.infrared = {.infrared = 800.0, .infrared_sigma = 20.0};
-  preset.sensor.noise = {.sigma_mm = 0.2, .growth_mm = 2.0, .slant_mm = 0.1};
+  preset.sensor.noise = {.sigma_mm = 0.2, .growth_mm = 1.5, .slant_mm = 0.1, .grain_px = 4};
   preset.sensor.drop_outs = {.grazing_deg = 75.0, .near_mm = 200.0, .range_mm = 1500.0, .hole_share = 0.002};
   preset.sensor.quantisation_mm = 0.125;
   return preset;
