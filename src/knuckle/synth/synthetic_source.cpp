@@ -16,6 +16,7 @@
 #include "knuckle/synth/people.h"
 #include "knuckle/synth/rasteriser.h"
 #include "knuckle/synth/surface_angle.h"
+#include "knuckle/synth/view_culling.h"
 
 namespace knuckle {
 namespace {
@@ -43,15 +44,20 @@ class People {
     std::call_once(place.once, [&] {
       place.person = person(number);
       place.rig.emplace(place.person);
+      place.culling.emplace(place.person);
     });
     return *place.rig;
   }
+
+  /// Of a person whose rig was asked for.
+  const ViewCulling& culling(std::size_t number) const { return *places_[number].culling; }
 
  private:
   struct Place {
     std::once_flag once;
     ShapedBody person;
     std::optional<BodyRig> rig;
+    std::optional<ViewCulling> culling;
   };
 
   /// A body that has no MakeHuman shapes has one shape.
@@ -105,11 +111,16 @@ class SyntheticSource final : public FrameSource {
     const bool is_left = frame.side == HandSide::left;
     // A left hand is a right one in a mirror: it is rendered through the camera's mirror image.
     const Camera camera = is_left ? mirrored(frame.camera) : frame.camera;
-    const BodyRig& rig = people_.rig(person_of_frame(index));
+    const std::size_t person = person_of_frame(index);
+    const BodyRig& rig = people_.rig(person);
     const PlacedPosture placed =
         posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
-    const PosedBody posed = posed_body(rig.person(), rig.pose(placed.posture, placed.camera_from_body));
-    const TriangleMesh mesh{posed.vertices, body_->faces};
+    const BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
+    const BodySection seen =
+        people_.culling(person).visible_section(bone_transforms(rig.person(), pose), camera);
+    const PosedBody posed = posed_body(rig.person(), pose, static_cast<std::size_t>(seen.vertices));
+    const TriangleMesh mesh{posed.vertices,
+                            std::span(body_->faces).first(static_cast<std::size_t>(seen.faces))};
     const Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
     SeenSurfaces surfaces{rendering.depth_mm, {}};
     if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, camera);

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/view_culling.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace knuckle {
+namespace {
+
+/// A point with normal . x + offset below 0 is not seen. Normals have length 1.
+struct Side {
+  Eigen::Vector3f normal;
+  float offset;
+};
+
+/// The sides of what the camera sees, a pixel wider than the image.
+std::array<Side, 5> sides_of_view(const Camera& camera) {
+  constexpr double kMargin = 1.0;
+  const double left = -kMargin - camera.cx;
+  const double right = camera.width - 1 + kMargin - camera.cx;
+  const double top = -kMargin - camera.cy;
+  const double bottom = camera.height - 1 + kMargin - camera.cy;
+  const bool projective = camera.model == CameraModel::projective;
+  // f x - edge z >= 0 (projective) or f x - edge >= 0 (orthographic), and the other way round.
+  const auto side = [&](int axis, double focal, double edge, double sign) {
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    normal[axis] = sign * focal;
+    if (projective) normal.z() = -sign * edge;
+    const double length = normal.norm();
+    return Side{(normal / length).cast<float>(),
+                projective ? 0.0f : static_cast<float>(-sign * edge / length)};
+  };
+  return {side(0, camera.fx, left, 1.0), side(0, camera.fx, right, -1.0), side(1, camera.fy, top, 1.0),
+          side(1, camera.fy, bottom, -1.0), Side{Eigen::Vector3f::UnitZ(), 0.0f}};
+}
+
+}  // namespace
+
+ViewCulling::ViewCulling(const ShapedBody& person)
+    : whole_{static_cast<std::int32_t>(person.vertices.size()),
+             static_cast<std::int32_t>(person.body->faces.size())},
+      sections_(person.body->sections) {
+  const Body& body = *person.body;
+  for (std::size_t s = 0; s + 1 < sections_.size(); ++s) {
+    std::map<std::int32_t, Eigen::AlignedBox3f> boxes;
+    for (std::int32_t f = sections_[s].faces; f < sections_[s + 1].faces; ++f) {
+      for (const std::int32_t vertex : body.faces[f]) {
+        for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+          if (body.weights[vertex][k] > 0.0f) {
+            boxes[body.weight_bones[vertex][k]].extend(person.vertices[vertex]);
+          }
+        }
+      }
+    }
+    beyond_.emplace_back();
+    for (const auto& [bone, box] : boxes) {
+      constexpr float kRounding = 0.1f;  // [mm]
+      beyond_.back().push_back({bone, box.center(), 0.5f * box.diagonal().norm() + kRounding});
+    }
+  }
+}
+
+BodySection ViewCulling::visible_section(const std::vector<Eigen::Matrix4f>& transforms,
+                                         const Camera& camera) const {
+  if (camera.is_distorted() || sections_.empty()) return whole_;
+  const auto sides = sides_of_view(camera);
+  // A vertex lies between the places that its bones give it, and a face between its vertices: what is on the
+  // outer side of one and the same plane with all of its balls cannot be seen.
+  const auto is_unseen = [&](const std::vector<Ball>& balls) {
+    return std::ranges::any_of(sides, [&](const Side& side) {
+      return std::ranges::all_of(balls, [&](const Ball& ball) {
+        const Eigen::Vector4f centre = transforms[ball.bone] * ball.centre.homogeneous();
+        return side.normal.dot(centre.head<3>()) + side.offset < -ball.radius;
+      });
+    });
+  };
+  std::size_t section = sections_.size() - 1;
+  if (sections_.back().faces != whole_.faces) return whole_;
+  while (section > 0 && is_unseen(beyond_[section - 1])) --section;
+  return sections_[section];
+}
+
+}  // namespace knuckle
