@@ -11,6 +11,7 @@ packages=(
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
   libopenexr-dev libdeflate-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
 )
 # npm comes with some machines' own Node.js; Debian's package is needed only where it does not.

@@ -5,10 +5,12 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
+#include "knuckle/estimate/network_estimator.h"
 #include "knuckle/estimate/pose_forest.h"
 
 namespace knuckle {
@@ -17,14 +19,31 @@ namespace {
 
 struct Method {
   std::string_view name;
-  std::unique_ptr<Estimator> (*load)(const std::filesystem::path& model);
+  /// Reads the options of the method alone from the table, then the model.
+  std::unique_ptr<Estimator> (*load)(const std::filesystem::path& model, const OptionTable& table);
 };
 
+std::unique_ptr<Estimator> load_forest(const std::filesystem::path& model, const OptionTable&) {
+  return std::make_unique<PoseForestEstimator>(load_pose_forest(model));
+}
+
+/// The method is the name of the network's architecture.
+std::unique_ptr<Estimator> load_network_estimator(const std::filesystem::path& model,
+                                                  const OptionTable& table) {
+  NetworkEstimatorOptions options;
+  table.read(options);
+  PoseNetwork network(model);
+  const std::string method = table.required_text("method");
+  if (network.options().architecture != method) {
+    table.fail_at("model", fmt::format("{} is a network \"{}\", expected \"{}\"", model.string(),
+                                       network.options().architecture, method));
+  }
+  return std::make_unique<NetworkEstimator>(std::move(network), options);
+}
+
 constexpr std::array kMethods{
-    Method{"forest",
-           [](const std::filesystem::path& model) -> std::unique_ptr<Estimator> {
-             return std::make_unique<PoseForestEstimator>(load_pose_forest(model));
-           }},
+    Method{"forest", load_forest},
+    Method{"dense", load_network_estimator},
 };
 
 constexpr auto kNames = [] {
@@ -74,8 +93,8 @@ std::unique_ptr<Estimator> create_estimator(const OptionTable& table) {
   const std::string model = table.required_text("model");
   Expectations expected;
   table.read(expected);
+  std::unique_ptr<Estimator> estimator = method->load(table.resolved_path(model), table);
   table.finish();
-  std::unique_ptr<Estimator> estimator = method->load(table.resolved_path(model));
   check(*estimator, expected, table);
   return estimator;
 }

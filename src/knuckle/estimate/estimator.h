@@ -5,6 +5,7 @@
 
 #include "knuckle/core/landmarks.h"
 #include "knuckle/patch/hand_patch.h"
+#include "knuckle/patch/patch_extractor.h"
 #include "knuckle/patch/patch_statistics.h"
 
 namespace knuckle {
@@ -24,6 +25,11 @@ class Estimator {
   virtual Convention convention() const = 0;
   /// What the model was trained on: the patch's size and the statistics subtracted from it.
   virtual const PatchStatistics& patch_statistics() const = 0;
+  /// How the patches that it was trained on are made.
+  virtual PatchOptions patch_options() const { return {.size_px = patch_statistics().size_px}; }
+  /// How often a hand is looked at, at least 1: each time but the first around the mean of the joints that
+  /// were found (patches of the mode "cube" only).
+  virtual int passes() const { return 1; }
   /// `patch` has the size and statistics above. Safe to call from many threads.
   virtual PatchPose estimate(const HandPatch& patch) const = 0;
 };

@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
+#include "knuckle/patch/cube_patch.h"
 
 namespace knuckle {
 namespace {
+
+constexpr std::string_view kModes[] = {"hand", "cube"};
 
 /// Of each column (or row) of the patch the nearest column (or row) of the image; -1 where it is outside of
 /// the box or of the image.
@@ -96,6 +101,8 @@ void apply(const PatchStatistics& statistics, Image<float>& patch) {
 
 void PatchOptions::visit(OptionVisitor& visitor) {
   visitor.integer("size_px", size_px, closed(2, 1024));
+  visitor.choice("mode", mode, kModes);
+  visitor.real("cube_mm", cube_mm, closed(10, 2000));
 }
 
 PatchGeometry patch_geometry(const Box& box, int size_px) {
@@ -111,12 +118,15 @@ PatchExtractor::PatchExtractor(const PatchOptions& options)
     : PatchExtractor(options, PatchStatistics{options.size_px, {}, {}}) {}
 
 PatchExtractor::PatchExtractor(const PatchOptions& options, PatchStatistics statistics)
-    : statistics_(std::move(statistics)) {
+    : options_(options), statistics_(std::move(statistics)) {
   check_options(options, "patch");
   check(statistics_);
   if (statistics_.size_px != options.size_px) {
     fail("patch: size_px is {}, but the model was trained on patches of {}", options.size_px,
          statistics_.size_px);
+  }
+  if (options.is_cube() && !(statistics_.mean.empty() && statistics_.whitening.empty())) {
+    fail("patch: patches of a cube take no mean patch and no whitening");
   }
 }
 
@@ -126,6 +136,7 @@ std::optional<HandPatch> PatchExtractor::extract(const Frame& frame, const HandR
          hand.mask.height(), hand.box.width, hand.box.height);
   }
   if (hand.box.empty()) return std::nullopt;
+  if (options_.is_cube()) return extract_around(frame, Projection(frame.camera).to_image(hand.centre));
   HandPatch patch;
   patch.geometry = patch_geometry(hand.box, statistics_.size_px);
   patch.pixels = resized_hand(frame, hand, patch.geometry);
@@ -136,6 +147,11 @@ std::optional<HandPatch> PatchExtractor::extract(const Frame& frame, const HandR
   normalise(patch.pixels, patch.geometry);
   apply(statistics_, patch.pixels);
   return patch;
+}
+
+std::optional<HandPatch> PatchExtractor::extract_around(const Frame& frame, const ImagePoint& centre) const {
+  if (!options_.is_cube()) fail("patch: only patches of the mode \"cube\" can be cut around a point");
+  return extract_cube(frame, centre, {options_.size_px, options_.cube_mm});
 }
 
 }  // namespace knuckle

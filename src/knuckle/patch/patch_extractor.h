@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "knuckle/core/frame.h"
 #include "knuckle/core/options.h"
@@ -13,9 +14,13 @@ namespace knuckle {
 
 /// How patches are made.
 struct PatchOptions {
-  int size_px = 96;  ///< Width and height p, [2, 1024] [px]
+  int size_px = 96;           ///< Width and height p, [2, 1024] [px]
+  std::string mode = "hand";  ///< hand: the segmented hand alone, fitted to the patch | cube: extract_cube
+  double cube_mm = 250.0;     ///< Side of the cube (mode "cube"), [10, 2000] [mm]
 
   void visit(OptionVisitor& visitor);
+  bool is_cube() const { return mode == "cube"; }
+  bool operator==(const PatchOptions&) const = default;
 };
 
 /// The value of pixels that are not hand, and the largest of those that are, in deviations: behind the hand.
@@ -29,6 +34,8 @@ inline constexpr float kPatchBackground = 3.0f;
 /// [-3, 3] (a stray pixel far in front of the hand or behind it must not outweigh it); all others are
 /// background, +3. Then the mean patch is subtracted and the whitening applied, where the statistics hold
 /// them.
+///
+/// In the mode "cube" a patch is what lies in a cube around the region's centre, whatever the mask says.
 class PatchExtractor {
  public:
   /// A hand flatter than this is not stretched further: a sensor's noise would become its shape [mm].
@@ -44,9 +51,13 @@ class PatchExtractor {
   /// threads.
   std::optional<HandPatch> extract(const Frame& frame, const HandRegion& hand) const;
 
+  /// A patch around another centre than the region's: for a second look (mode "cube" only, else an Error).
+  std::optional<HandPatch> extract_around(const Frame& frame, const ImagePoint& centre) const;
+
   const PatchStatistics& statistics() const { return statistics_; }
 
  private:
+  PatchOptions options_;
   PatchStatistics statistics_;
 };
 

@@ -25,17 +25,37 @@ auto timed(double& total_ms, const Work& work) {
   return result;
 }
 
-/// The size of the patches that the file asks for; the model's where it asks for none.
-PatchOptions patch_options_of(const OptionTable& document, const PatchStatistics& statistics) {
-  PatchOptions options;
-  options.size_px = statistics.size_px;
+/// How the file asks for patches; as the model was trained where it asks for nothing.
+PatchOptions patch_options_of(const OptionTable& document, const Estimator& estimator) {
+  const PatchOptions trained = estimator.patch_options();
+  PatchOptions options = trained;
   const OptionTable table = document.table("patch");
   table.read(options);
-  if (options.size_px != statistics.size_px) {
+  if (options.size_px != trained.size_px) {
     table.fail_at("size_px", fmt::format("is {}, but the model was trained on patches of {} px",
-                                         options.size_px, statistics.size_px));
+                                         options.size_px, trained.size_px));
+  }
+  if (options.mode != trained.mode) {
+    table.fail_at("mode", fmt::format("is \"{}\", but the model was trained on patches of the mode \"{}\"",
+                                      options.mode, trained.mode));
+  }
+  if (options.cube_mm != trained.cube_mm) {
+    table.fail_at("cube_mm", fmt::format("is {}, but the model was trained on cubes of {} mm",
+                                         options.cube_mm, trained.cube_mm));
   }
   return options;
+}
+
+/// The mean of the joints that are known; missing where none is.
+ImagePoint mean_joint(const HandPose& pose) {
+  ImagePoint sum{0.0, 0.0, 0.0};
+  int count = 0;
+  for (const ImagePoint& joint : pose.joints) {
+    if (joint.is_missing()) continue;
+    sum = {sum.u + joint.u, sum.v + joint.v, sum.depth_mm + joint.depth_mm};
+    ++count;
+  }
+  return {sum.u / count, sum.v / count, sum.depth_mm / count};
 }
 
 }  // namespace
@@ -43,7 +63,7 @@ PatchOptions patch_options_of(const OptionTable& document, const PatchStatistics
 Pipeline::Pipeline(const OptionTable& document)
     : finder_(document), estimator_(create_estimator(document.table("estimator"))) {
   const PatchStatistics& statistics = estimator_->patch_statistics();
-  extractor_ = std::make_unique<PatchExtractor>(patch_options_of(document, statistics), statistics);
+  extractor_ = std::make_unique<PatchExtractor>(patch_options_of(document, *estimator_), statistics);
   for (const OptionTable& table : document.tables("refine")) refiners_.push_back(create_refiner(table));
 }
 
@@ -79,14 +99,23 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const std::optional<P
 
 std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region,
                                           StageTimes& times) const {
-  const auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
+  auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
   if (!patch) return std::nullopt;
-  HandPose pose = timed(times.estimate_ms, [&] {
-    return pose_in_image(estimator_->estimate(*patch), estimator_->convention(), patch->geometry);
-  });
+  HandPose pose = pose_in_patch(*patch, times);
+  for (int pass = 1; pass < estimator_->passes(); ++pass) {
+    patch = timed(times.patch_ms, [&] { return extractor_->extract_around(frame, mean_joint(pose)); });
+    if (!patch) break;
+    pose = pose_in_patch(*patch, times);
+  }
   return timed(times.refine_ms, [&] {
     for (const auto& refiner : refiners_) pose = refiner->refine(frame, region, std::move(pose));
     return std::move(pose);
+  });
+}
+
+HandPose Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {
+  return timed(times.estimate_ms, [&] {
+    return pose_in_image(estimator_->estimate(patch), estimator_->convention(), patch.geometry);
   });
 }
 

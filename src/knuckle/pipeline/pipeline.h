@@ -58,6 +58,7 @@ class Pipeline {
   explicit Pipeline(const OptionTable& document);  // leaves it to `load` to finish the document
   FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
+  HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 
   std::string resolved_options_;
   HandFinder finder_;

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/network_estimator.h"
+
+#include <utility>
+
+namespace knuckle {
+
+NetworkEstimator::NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options)
+    : network_(std::move(network)),
+      options_(options),
+      convention_(convention_from_name(network_.options().convention)) {
+  check_options(options_, "network estimator");
+  statistics_.size_px = network_.options().patch.size_px;
+}
+
+PatchPose NetworkEstimator::estimate(const HandPatch& patch) const {
+  NetworkPrediction prediction = network_.predict(patch.pixels);
+  return {std::move(prediction.joints), std::move(prediction.confidence)};
+}
+
+}  // namespace knuckle

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "knuckle/core/options.h"
+#include "knuckle/estimate/estimator.h"
+#include "knuckle/net/pose_network.h"
+
+namespace knuckle {
+
+/// How a network is used: keys of the `[estimator]` table.
+struct NetworkEstimatorOptions {
+  /// Looks at each hand, [1, 5]; all but the first around the mean of the joints that were found: a learned
+  /// refinement of the centre, as in DeepPrior++ (Oberweger and Lepetit 2017).
+  int passes = 2;
+
+  void visit(OptionVisitor& visitor) { visitor.integer("passes", passes, closed(1, 5)); }
+};
+
+/// Pose by a convolutional network. The confidence of a joint says how well the pixels' votes agree.
+class NetworkEstimator final : public Estimator {
+ public:
+  /// Throws an Error where an option is out of range.
+  NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options);
+
+  Convention convention() const override { return convention_; }
+  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  PatchOptions patch_options() const override { return network_.options().patch; }
+  int passes() const override { return options_.passes; }
+  /// Throws an Error where the patch has another size or a pixel is not finite.
+  PatchPose estimate(const HandPatch& patch) const override;
+
+ private:
+  PoseNetwork network_;
+  NetworkEstimatorOptions options_;
+  Convention convention_;
+  PatchStatistics statistics_;
+};
+
+}  // namespace knuckle

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/net/layers.h"
+
+#include <torch/nn/functional/upsampling.h>
+#include <torch/nn/init.h>
+#include <torch/utils.h>
+
+namespace knuckle {
+namespace {
+
+torch::nn::Conv2dOptions padded(const ConvolutionUnit::Shape& shape) {
+  return torch::nn::Conv2dOptions(shape.inputs, shape.outputs, shape.kernel)
+      .stride(shape.stride)
+      .padding(shape.kernel / 2)
+      .bias(false);
+}
+
+}  // namespace
+
+ConvolutionUnit::ConvolutionUnit(const Shape& shape, Activation activation)
+    : convolution_(register_module("convolution", torch::nn::Conv2d(padded(shape)))),
+      norm_(register_module("norm", torch::nn::BatchNorm2d(shape.outputs))),
+      activation_(activation) {
+  torch::nn::init::kaiming_normal_(convolution_->weight, 0.0, torch::kFanOut, torch::kReLU);
+}
+
+torch::Tensor ConvolutionUnit::forward(const torch::Tensor& input) {
+  torch::Tensor result = convolution_->forward(input);
+  if (!is_folded_) result = norm_->forward(result);
+  return activation_ == Activation::relu ? torch::relu_(result) : result;
+}
+
+void ConvolutionUnit::fold_norm() {
+  const torch::NoGradGuard no_gradient;
+  const torch::Tensor scale = norm_->weight / torch::sqrt(norm_->running_var + norm_->options.eps());
+  convolution_->weight.mul_(scale.view({-1, 1, 1, 1}));
+  convolution_->bias = convolution_->register_parameter("bias", norm_->bias - norm_->running_mean * scale);
+  is_folded_ = true;
+}
+
+ResidualBlock::ResidualBlock(int channels)
+    : first_(register_module("first",
+                             std::make_shared<ConvolutionUnit>(ConvolutionUnit::Shape{channels, channels}))),
+      second_(register_module("second",
+                              std::make_shared<ConvolutionUnit>(ConvolutionUnit::Shape{channels, channels},
+                                                                ConvolutionUnit::Activation::none))) {}
+
+torch::Tensor ResidualBlock::forward(const torch::Tensor& input) {
+  return torch::relu_(second_->forward(first_->forward(input)).add_(input));
+}
+
+void ResidualBlock::fold_norm() {
+  first_->fold_norm();
+  second_->fold_norm();
+}
+
+torch::Tensor twice_as_large(const torch::Tensor& input) {
+  return torch::upsample_nearest2d(input, {2 * input.size(2), 2 * input.size(3)});
+}
+
+}  // namespace knuckle

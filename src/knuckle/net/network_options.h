@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "knuckle/core/landmarks.h"
+#include "knuckle/core/options.h"
+#include "knuckle/patch/patch_extractor.h"
+
+namespace knuckle {
+
+/// Names of all architectures.
+std::span<const std::string_view> network_architectures();
+
+/// The encoder-decoder `dense`: a stem at half the patch's resolution, stages at a quarter, an eighth and a
+/// sixteenth, and two steps up again, each with the stage's own features added.
+struct DenseNetworkOptions {
+  int stem_channels = 16;        ///< [1, 1024]
+  int quarter_channels = 32;     ///< [1, 1024]
+  int eighth_channels = 64;      ///< [1, 1024]
+  int sixteenth_channels = 128;  ///< [1, 1024]
+  int head_channels = 64;        ///< before the maps, [1, 1024]
+  int blocks = 1;                ///< residual blocks a stage, [1, 16]
+  double kernel = 0.8;           ///< reach of the closeness, in halves of the cube's side, (0, 4]
+  double dense_weight = 0.5;     ///< of the loss on offsets and closeness against that on joints, [0, 100]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// A network and what it sees and predicts: all that is needed to build it.
+struct NetworkOptions {
+  std::string architecture = "dense";
+  std::string convention = "knuckle22";  ///< landmarks that it predicts
+  PatchOptions patch{.size_px = 96, .mode = "cube", .cube_mm = 250.0};
+  DenseNetworkOptions dense;
+
+  /// The `[network]` table: all but the patch.
+  void visit(OptionVisitor& visitor);
+  int joint_count() const { return convention_from_name(convention).size(); }
+};
+
+/// Throws an Error that starts with `what` where an option is out of range, or the parts do not fit together.
+void check(const NetworkOptions& options, std::string_view what);
+
+/// The options as TOML, and back. `origin` stands for the file's name in errors.
+std::string network_options_as_toml(const NetworkOptions& options);
+NetworkOptions network_options_from_toml(std::string_view toml, const std::string& origin);
+
+}  // namespace knuckle
