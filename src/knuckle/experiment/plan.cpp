@@ -31,7 +31,7 @@ std::vector<PlannedSequence> read_sequences(const OptionTable& document) {
     PlannedSequence sequence;
     sequence.name = unique_text(table, "name", names);
     sequence.title = table.text_or("title", sequence.name);
-    sequence.source = source_beside(table, table.required_text("source"));
+    sequence.source = source_in(table, "source");
     sequences.push_back(sequence);
   }
   if (sequences.empty()) document.fail_at("sequence", "expected at least one [[sequence]]");

@@ -11,14 +11,6 @@ namespace {
 
 constexpr double kBytesAGigabyte = 1e9;
 
-/// A relative path in a configuration starts at the configuration's folder.
-std::string source_beside(const OptionTable& document, std::string_view key) {
-  const std::string text = document.required_text(key);
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) return text;  // the opener says what is wrong with it
-  return text.substr(0, colon + 1) + document.resolved_path(text.substr(colon + 1)).string();
-}
-
 std::int64_t frames_of(const std::string& source, int most) {
   const std::int64_t size = open_source(source)->size();
   return most > 0 ? std::min<std::int64_t>(most, size) : size;
@@ -48,8 +40,8 @@ void NetworkSampleOptions::visit(OptionVisitor& visitor) {
 
 NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
-  NetworkTrainingConfig config{.source = source_beside(document, "source"),
-                               .validation = source_beside(document, "validation"),
+  NetworkTrainingConfig config{.source = source_in(document, "source"),
+                               .validation = source_in(document, "validation"),
                                .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
                                .finder = HandFinder(document),
                                .samples = {},

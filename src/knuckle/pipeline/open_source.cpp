@@ -41,7 +41,8 @@ bool names_a_source(std::string_view text) {
   return kind.size() < text.size() && std::ranges::count(source_kinds(), kind) > 0;
 }
 
-std::string source_beside(const OptionTable& document, const std::string& text) {
+std::string source_in(const OptionTable& document, std::string_view key) {
+  const std::string text = document.required_text(key);
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) return text;  // the opener says what is wrong with it
   return text.substr(0, colon + 1) + document.resolved_path(text.substr(colon + 1)).string();

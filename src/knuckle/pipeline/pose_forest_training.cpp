@@ -7,7 +7,6 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/pipeline/open_source.h"
-#include "knuckle/pipeline/training_source.h"
 
 namespace knuckle {
 namespace {
@@ -75,7 +74,7 @@ class PatchCollector {
 
 PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
-  PoseForestTrainingConfig config{.source = training_source(document),
+  PoseForestTrainingConfig config{.source = source_in(document, "source"),
                                   .convention = convention_of(document),
                                   .start = start_from_name(document.choice_or("start", "truth", kStartNames)),
                                   .finder = HandFinder(document),

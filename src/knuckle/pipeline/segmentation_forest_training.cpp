@@ -15,7 +15,6 @@
 #include "knuckle/core/random.h"
 #include "knuckle/pipeline/open_source.h"
 #include "knuckle/pipeline/stopwatch.h"
-#include "knuckle/pipeline/training_source.h"
 
 namespace knuckle {
 namespace {
@@ -99,7 +98,7 @@ void PixelSamplingOptions::visit(OptionVisitor& visitor) {
 SegmentationForestTrainingConfig SegmentationForestTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   SegmentationForestTrainingConfig config;
-  config.source = training_source(document);
+  config.source = source_in(document, "source");
   document.table("hand").read(config.hand);
   document.table("pixels").read(config.pixels);
   document.table("forest").read(config.forest);
