@@ -34,7 +34,7 @@ void ConvolutionUnit::fold_norm() {
   const torch::NoGradGuard no_gradient;
   const torch::Tensor scale = norm_->weight / torch::sqrt(norm_->running_var + norm_->options.eps());
   convolution_->weight.mul_(scale.view({-1, 1, 1, 1}));
-  convolution_->bias = convolution_->register_parameter("bias", norm_->bias - norm_->running_mean * scale);
+  convolution_->bias = norm_->bias - norm_->running_mean * scale;
   is_folded_ = true;
 }
 

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include <torch/cuda.h>
-#include <torch/nn/utils/clip_grad.h>  // shows names that only types.h brings
 #include <torch/optim/adamw.h>
 #include <torch/optim/sgd.h>
 #include <torch/types.h>
@@ -49,6 +48,21 @@ std::unique_ptr<torch::optim::Optimizer> make_optimiser(const std::vector<torch:
   const auto sgd =
       torch::optim::SGDOptions(rate).momentum(options.momentum).weight_decay(options.weight_decay);
   return std::make_unique<torch::optim::SGD>(parameters, sgd);
+}
+
+/// Scales the gradient down to a norm of `limit` where it is longer (0: any length); its norm before.
+double clip_gradient(const std::vector<torch::Tensor>& parameters, double limit) {
+  const torch::NoGradGuard no_gradient;
+  double squares = 0.0;
+  for (const torch::Tensor& parameter : parameters) {
+    if (parameter.grad().defined()) squares += parameter.grad().square().sum().item<double>();
+  }
+  const double norm = std::sqrt(squares);
+  if (limit == 0.0 || !(norm > limit)) return norm;
+  for (const torch::Tensor& parameter : parameters) {
+    if (parameter.grad().defined()) parameter.grad().mul_(limit / norm);
+  }
+  return norm;
 }
 
 torch::Tensor as_tensor(const std::vector<TrainingMetrics>& metrics) {
@@ -149,9 +163,7 @@ class Trainer {
     const double rate = learning_rate_at(options_.learning_rate, progress());
     for (auto& group : optimiser_->param_groups()) group.options().set_lr(rate);
     const double loss = network_.backward(batch);
-    const double limit =
-        options_.gradient_clip > 0.0 ? options_.gradient_clip : std::numeric_limits<double>::max();
-    const double norm = torch::nn::utils::clip_grad_norm_(network_.parameters(), limit);
+    const double norm = clip_gradient(network_.parameters(), options_.gradient_clip);
     if (!std::isfinite(loss) || !std::isfinite(norm)) {
       fail(
           "training: the loss is {} and the gradient's norm {} at step {}; {} keeps the state before: try a "
