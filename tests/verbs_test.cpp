@@ -79,6 +79,15 @@ TEST_F(VerbsTest, InspectDrawsAFrame) {
   EXPECT_FALSE(read_png_rgb(path("frame.png")).empty());
 }
 
+TEST_F(VerbsTest, InspectMeasuresTheHandsOfASource) {
+  const ProgramRun run =
+      run_program({"inspect", "--source", kDemoSource, "--statistics", "--panels", path("panels.png")});
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, HasSubstr("found in 6 of 6 frames"));
+  EXPECT_THAT(run.out, HasSubstr("surface noise"));
+  EXPECT_FALSE(read_png_rgb(path("panels.png")).empty());
+}
+
 TEST_F(VerbsTest, WhatIsRenderedReadsBackInEveryFormat) {
   for (const std::string format : {"h5", "folder", "icg"}) {
     const std::string out = path("set_" + format);

@@ -10,9 +10,9 @@
 namespace knuckle {
 
 /// Flying pixels of a time-of-flight camera: a pixel at a depth edge collects light of both surfaces and
-/// measures a depth between them (Foix, Alenya and Torras 2011, section 3; Sarbolandi, Lefloch and Kolb 2015,
-/// section 3). A pixel sees a stretch of `flying_px` around its centre, and the edge lies anywhere between
-/// the centres of the two pixels, so of the pixels along an edge the part flying_px / 2 is mixed.
+/// measures a depth between them (Foix, Alenya and Torras 2011; Sarbolandi, Lefloch and Kolb 2015). A pixel
+/// sees a stretch of `flying_px` around its centre, and the edge lies anywhere between the centres of the two
+/// pixels, so of the pixels along an edge the part flying_px / 2 is mixed.
 struct FlyingPixelOptions {
   double flying_px = 0.0;  ///< what a pixel sees across an edge, [0, 2] [px]; 1: its own area; 0: off
 

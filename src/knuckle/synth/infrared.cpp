@@ -2,6 +2,7 @@
 #include "knuckle/synth/infrared.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "knuckle/synth/pixel_random.h"
@@ -57,7 +58,7 @@ Image<std::uint16_t> infrared_image(const Image<float>& depth_mm, const Image<fl
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const float amplitude = std::min(std::max(amplitudes.data()[i], 0.0f), kMostCounts);
-    counts.data()[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(amplitude + 0.5f));
+    counts.data()[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(std::nearbyint(amplitude)));
   }
   return counts;
 }

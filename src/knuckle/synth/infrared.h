@@ -11,7 +11,7 @@ namespace knuckle {
 
 /// The light that comes back to an active camera from a matt surface of one reflectance, lit from the
 /// camera's place: amplitude = infrared cos(theta) / r^2, where r is the distance in metres along the line of
-/// sight (Lambert's law and the inverse square; Foix, Alenya and Torras 2011, section 2).
+/// sight (Lambert's law and the inverse square; Foix, Alenya and Torras 2011).
 struct InfraredOptions {
   double infrared = 0.0;        ///< amplitude of a surface that faces the camera at 1 m, in counts;
                                 ///< 0: no infrared image, [0, 100000]

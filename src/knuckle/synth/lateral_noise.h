@@ -11,8 +11,8 @@
 namespace knuckle {
 
 /// Lateral noise: the sensor places a surface's outline wrongly by a fraction of a pixel, which makes
-/// outlines ragged. Nguyen, Izadi and Lovell 2012 measured about 0.8 px for the Kinect v1, nearly the same at
-/// all ranges and angles.
+/// outlines ragged. Nguyen, Izadi and Lovell 2012 measured about 0.8 px for the Kinect v1, growing little
+/// with the angle.
 struct LateralNoiseOptions {
   double lateral_px = 0.0;  ///< deviation in x and in y, [0, 2] [px]; 0: off
 

@@ -30,7 +30,7 @@ class AngleTable {
       values_[i] = static_cast<float>(growth_with_angle(static_cast<double>(i) / kSteps));
     }
   }
-  float operator()(float cosine) const { return values_[static_cast<int>(cosine * kSteps + 0.5f)]; }
+  float operator()(float cosine) const { return values_[static_cast<int>(std::nearbyint(cosine * kSteps))]; }
 
  private:
   static constexpr int kSteps = 1024;

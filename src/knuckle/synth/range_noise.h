@@ -13,8 +13,8 @@ namespace knuckle {
 ///     sigma(z, theta) = sigma + growth z^2 + slant theta^2 / (pi / 2 - theta)^2,   z in metres,
 ///
 /// constant in the framework paper (3 mm); quadratic in range for triangulation, where the error of a
-/// disparity is constant (Khoshelham and Oude Elberink 2012, eq. 9), and about so for time of flight over
-/// an interaction's range; the angle's term is that of Nguyen, Izadi and Lovell 2012 (eq. 3) and of
+/// disparity is constant (Khoshelham and Oude Elberink 2012), and about so for time of flight over
+/// an interaction's range; the angle's term is that of Nguyen, Izadi and Lovell 2012 and of
 /// Fankhauser et al. 2015, without its weak dependence on range.
 struct RangeNoiseOptions {
   double sigma_mm = 3.0;   ///< at no range, [0, 100] [mm]

@@ -26,7 +26,7 @@ SensorPreset paper() {
   return {centred_camera(320, 240, 224.0, 224.0), {}};
 }
 
-/// The paper's 3 mm at 0.4 m, growing to 8 mm at the end of the range (the maker: below 14 mm at 1 m).
+/// The paper's 3 mm at 0.4 m, growing to 8 mm at the end of the range (assumed).
 SensorPreset creative() {
   SensorPreset preset = paper();
   preset.sensor.flying.flying_px = 1.0;

@@ -35,7 +35,7 @@ class ProjectorRow {
  private:
   std::size_t column_of(std::size_t i) const {
     const float displacement = focal_baseline_ > 0.0f ? -disparities_[i] : disparities_[i];
-    return static_cast<std::size_t>(static_cast<float>(i) + displacement + origin_ + 0.5f);
+    return static_cast<std::size_t>(std::nearbyint(static_cast<float>(i) + displacement + origin_));
   }
 
   /// Draws point i, and what lies between it and the next one where both are one surface.

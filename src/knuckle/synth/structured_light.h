@@ -8,7 +8,7 @@
 namespace knuckle {
 
 /// A camera that finds depth by triangulation with a projector beside it: z = f b / d, where d is the
-/// disparity between camera and projector in pixels (Khoshelham and Oude Elberink 2012, eq. 3 and 5, with the
+/// disparity between camera and projector in pixels (Khoshelham and Oude Elberink 2012, with their
 /// reference plane at infinity).
 struct StructuredLightOptions {
   double baseline_mm = 0.0;   ///< of the projector from the camera along x; negative: on its left;
