@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/file_io.h"
 
+#include <csignal>
 #include <fstream>
+
+#include <sys/resource.h>
 
 #include "knuckle/core/testing.h"
 
@@ -50,6 +53,22 @@ TEST(FileIoTest, AFailedWriteLeavesTheFormerFileAndNothingElse) {
 TEST(FileIoTest, AnUnwritableFolderIsNamedAndNothingIsLeft) {
   EXPECT_THAT(error_of([] { write_text_file("/proc/knuckle.txt", "text"); }), HasSubstr("/proc/knuckle.txt"));
   EXPECT_THAT(error_of([] { make_folder("/proc/knuckle/out"); }), HasSubstr("/proc/knuckle/out"));
+}
+
+TEST(FileIoTest, ADiskThatFillsUpLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "file.txt", "former");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+  const rlimit tight{1000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  const std::string message =
+      error_of([&] { write_text_file(folder / "file.txt", std::string(100000, 'x')); });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_THAT(message, HasSubstr("file.txt: cannot write: File too large"));
+  EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 
 TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {

@@ -46,13 +46,21 @@ TEST(ImageIoTest, APngOfAnotherKindIsRefused) {
 
 TEST(ImageIoTest, APngCutAnywhereIsRefused) {
   const TemporaryFolder folder;
-  write_png(folder / "whole.png", random_depth());
+  Image<std::uint16_t> noise(320, 240);  // enough to fill several of the file's chunks
+  Random random(8);
+  for (auto& pixel : noise.pixels()) pixel = static_cast<std::uint16_t>(random());
+  write_png(folder / "whole.png", noise);
   const std::string bytes = read_text_file(folder / "whole.png");
-  for (const double part : {0.0, 0.01, 0.3, 0.9, 0.999}) {
-    write_text_file(folder / "cut.png",
-                    bytes.substr(0, static_cast<std::size_t>(part * double(bytes.size()))));
-    EXPECT_THAT(error_of([&] { read_png16(folder / "cut.png"); }), HasSubstr("cut.png")) << part;
+  // Some versions of the library take the missing rows for zeros: it must not even be asked.
+  for (const std::size_t missing :
+       {bytes.size() * 9 / 10, bytes.size() / 2, std::size_t{100}, std::size_t{12}, std::size_t{1}}) {
+    write_text_file(folder / "cut.png", bytes.substr(0, bytes.size() - missing));
+    EXPECT_THAT(error_of([&] { read_png16(folder / "cut.png"); }),
+                HasSubstr("cut.png: the PNG image is cut short"))
+        << missing;
   }
+  write_text_file(folder / "cut.png", "");
+  EXPECT_THAT(error_of([&] { read_png16(folder / "cut.png"); }), HasSubstr("cut.png: no PNG image"));
 }
 
 TEST(ImageIoTest, ATextIsNoPng) {

@@ -13,11 +13,19 @@
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/core/random.h"
+#include "knuckle/data/frame_source.h"
 
 namespace knuckle::testing {
 
 inline Camera small_camera() {
   return {CameraModel::projective, 24, 18, 30.5, 31.25, 11.7, 8.4, {}};
+}
+
+/// The same with all kinds of distortion.
+inline Camera distorted_camera() {
+  Camera camera = small_camera();
+  camera.distortion = {0.01, -0.02, 0.003, 0.0004, 0.1, 0.0, 0.0, 0.05};
+  return camera;
 }
 
 /// A frame of noise around 500 mm with holes, infrared, a mask, and a truth that misses its second joint.
@@ -68,6 +76,17 @@ inline void expect_near(const Camera& actual, const Camera& expected) {
   EXPECT_NEAR(actual.cx, expected.cx, 1e-12);
   EXPECT_NEAR(actual.cy, expected.cy, 1e-12);
   EXPECT_EQ(actual.distortion, expected.distortion);
+}
+
+/// That `read_label` says what `read` says, in every frame.
+inline void expect_labels_like_frames(const FrameSource& source) {
+  for (std::int64_t i = 0; i < source.size(); ++i) {
+    const Frame frame = source.read(i);
+    const FrameLabel label = source.read_label(i);
+    EXPECT_EQ(label.camera, frame.camera) << "frame " << i;
+    ASSERT_EQ(label.truth.has_value(), frame.truth.has_value()) << "frame " << i;
+    if (frame.truth) expect_near(*label.truth, *frame.truth, 0.0, 0.0);
+  }
 }
 
 inline void put_file(const std::filesystem::path& path, std::string_view content) {

@@ -23,8 +23,8 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
   std::ranges::transform(depth_mm.pixels(), counts.pixels().begin(), [&](float depth) -> std::uint16_t {
     if (!(depth > 0)) return 0;
-    const double count = std::round(depth / unit_mm);
-    if (count > kHighest) {
+    const double count = depth / unit_mm + 0.5;  // rounds once it is cut to a whole number
+    if (!(count < kHighest + 1)) {
       fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, depth,
            kHighest * unit_mm, unit_mm);
     }

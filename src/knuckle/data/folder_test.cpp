@@ -42,10 +42,22 @@ std::string error_of_set(const fs::path& folder, int frame = -1) {
 
 struct FolderRoundTrip : ::testing::TestWithParam<PixelOrigin> {};
 
+TEST(Folder, LabelsNeedNoImages) {
+  const testing::TemporaryFolder folder;
+  FolderWriter writer(folder / "set", {});
+  for (std::int64_t i = 0; i < 2; ++i)
+    writer.write(i, noise_frame(small_camera(), convention_from_name("icg20"), i));
+  writer.finish();
+  const FolderSource source(folder / "set");
+  const std::optional<HandPose> truth = source.read(1).truth;
+  fs::remove_all(folder / "set" / "depth");
+  EXPECT_THAT(error_of([&] { source.read(1); }), HasSubstr("00000001.png"));
+  testing::expect_near(*source.read_label(1).truth, *truth, 0.0, 0.0);
+}
+
 TEST_P(FolderRoundTrip, ReadsWhatWasWritten) {
   const testing::TemporaryFolder folder;
-  Camera camera = small_camera();
-  camera.distortion = {0.01, -0.02, 0.003, 0.0004, 0.1, 0.0, 0.0, 0.05};
+  const Camera camera = testing::distorted_camera();
   const Convention convention = convention_from_name("msra21");
   FrameWriterOptions options;
   options.pixel_origin = GetParam();
@@ -57,6 +69,7 @@ TEST_P(FolderRoundTrip, ReadsWhatWasWritten) {
   ASSERT_EQ(source.size(), 6);
   EXPECT_EQ(source.convention()->name, "msra21");
   EXPECT_EQ(source.pixel_origin(), GetParam());
+  testing::expect_labels_like_frames(source);
   parallel_for(6, [&](std::int64_t i) {
     const Frame expected = noise_frame(camera, convention, i);
     const Frame actual = source.read(i);

@@ -268,6 +268,35 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
               HasSubstr("fisheye"));
 }
 
+TEST(H5, RefusesEachArrayOfAnotherShape) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  /// A set of two frames in which the array `wrong` has three rows.
+  const auto write_with_wrong = [&](std::string_view wrong) {
+    const auto rows = [&](std::string_view array) { return std::uint64_t{array == wrong ? 3u : 2u}; };
+    Hdf5File file = Hdf5File::create(path);
+    file.set_attribute("format", kH5Format);
+    file.set_attribute("version", kH5Version);
+    file.set_attribute("complete", 1);
+    file.set_attribute("first_index", 0);
+    file.set_attribute("depth_unit_mm", 0.1);
+    write_camera(file, small_camera());
+    const std::vector<std::uint16_t> pixels(std::size_t{3} * 18 * 24);
+    file.write<std::uint16_t>(kH5Depth, {2, 18, 24}, pixels.data());
+    file.write<std::uint16_t>(kH5Infrared, {rows(kH5Infrared), 18, 24}, pixels.data());
+    file.write<std::uint16_t>(kH5Mask, {rows(kH5Mask), 18, 24}, pixels.data());
+    file.write<float>(kH5Joints, {rows(kH5Joints), 22, 3}, std::vector<float>(198, 500.0f).data());
+    file.write<double>(kH5Intrinsics, {rows(kH5Intrinsics), 4}, std::vector<double>(12, 30.0).data());
+    file.close();
+  };
+  write_with_wrong("");
+  EXPECT_EQ(H5Source(path).read(1).camera.fx, 30.0);
+  for (const std::string_view array : {kH5Infrared, kH5Mask, kH5Joints, kH5Intrinsics}) {
+    write_with_wrong(array);
+    EXPECT_THAT(error_of_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3 x ", array)));
+  }
+}
+
 TEST(H5, RefusesAFileCutShortAnywhere) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";

@@ -51,8 +51,7 @@ TEST(Icg, TakesNamesApart) {
 
 TEST(Icg, ReadsWhatWasWritten) {
   const testing::TemporaryFolder folder;
-  Camera camera = small_camera();
-  camera.distortion = {0.01, -0.02, 0.003, 0.0004, 0.1, 0.0, 0.0, 0.05};
+  const Camera camera = testing::distorted_camera();
   const Convention convention = convention_from_name("icg20");
   IcgWriter writer(folder.path(), {});
   parallel_for(5, [&](std::int64_t i) { writer.write(i, noise_frame(camera, convention, i)); });
@@ -61,6 +60,7 @@ TEST(Icg, ReadsWhatWasWritten) {
   ASSERT_EQ(source.size(), 5);
   EXPECT_EQ(source.convention()->name, "icg20");
   EXPECT_EQ(source.pixel_origin(), PixelOrigin::corner);
+  testing::expect_labels_like_frames(source);
   parallel_for(5, [&](std::int64_t i) {
     const Frame expected = noise_frame(camera, convention, i);
     const Frame actual = source.read(i);

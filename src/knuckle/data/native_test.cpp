@@ -39,6 +39,7 @@ TEST(Icvl, ReadsDepthAndLabels) {
   const IcvlSource source(folder.path(), {});
   ASSERT_EQ(source.size(), 1);
   EXPECT_EQ(source.convention()->name, "icvl16");
+  testing::expect_labels_like_frames(source);
   const Frame frame = source.read(0);
   EXPECT_EQ(frame.name, "seq/image_0000");
   EXPECT_EQ(frame.camera.fx, 240.99);
@@ -104,6 +105,7 @@ TEST(Hands17, ProjectsItsTruth) {
     const Hands17Source source(folder.path(), {});
     ASSERT_EQ(source.size(), 1);
     EXPECT_EQ(source.convention()->name, "hands21");
+    testing::expect_labels_like_frames(source);
     const Frame frame = source.read(0);
     EXPECT_EQ(frame.name, "image_D00000001");
     EXPECT_EQ(frame.depth_mm(0, 0), 600.0f);
@@ -182,6 +184,7 @@ TEST(Msra15, TurnsItsYAxisAndProjects) {
   put_msra15(folder.path());
   const Msra15Source source(folder.path());
   EXPECT_EQ(source.convention()->name, "msra21");
+  testing::expect_labels_like_frames(source);
   EXPECT_FALSE(source.read(0).truth);
   const Frame frame = source.read(3);  // P0/5/000001: -300, -299, -298 first
   const ImagePoint joint = frame.truth->joints[0];

@@ -64,6 +64,7 @@ TEST(Nyu, DecodesDepth) {
   put_nyu(folder.path());
   const NyuSource source(folder.path(), {});
   ASSERT_EQ(source.size(), 3);
+  testing::expect_labels_like_frames(source);
   const Frame frame = source.read(1);
   EXPECT_EQ(frame.name, "depth_1_0000002");
   EXPECT_EQ(frame.depth_mm(0, 0), 800.0f);

@@ -19,6 +19,7 @@ class CountingSource final : public FrameSource {
   Frame read(std::int64_t index) const override {
     Frame frame;
     frame.name = std::to_string(index);
+    frame.camera.fx = static_cast<double>(index);
     return frame;
   }
   std::optional<Convention> convention() const override { return convention_from_name("icg20"); }
@@ -45,6 +46,12 @@ TEST(SelectedFrames, GivesWhatThereIsWhereCountAsksForMore) {
   EXPECT_THAT(names({8, 100, 1}), ElementsAre("8", "9"));
   EXPECT_THAT(names({0, 100, 9}), ElementsAre("0", "9"));
   EXPECT_THAT(names({0, 100, 10}), ElementsAre("0"));
+}
+
+TEST(SelectedFrames, LabelsAreThoseOfTheSelectedFrames) {
+  const auto source = select_frames(std::make_unique<CountingSource>(10), {2, 3, 3}, "test");
+  EXPECT_EQ(source->read_label(1).camera.fx, 5.0);
+  EXPECT_EQ(source->read_label(2).camera.fx, 8.0);
 }
 
 TEST(SelectedFrames, KeepsConventionAndPixelOrigin) {
