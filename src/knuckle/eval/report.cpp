@@ -51,10 +51,15 @@ std::string report_html(const Report& report, const ReportFigures& figures) {
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder) {
   make_folder(folder);
   const ReportFigures figures = draw_figures(report, folder / "figures");
+  if (report.evaluation || !report.segmentation.empty()) {
+    write_text_file(folder / "metrics.json", to_json(report.evaluation, report.segmentation));
+  }
   if (report.evaluation) {
-    write_text_file(folder / "metrics.json", to_json(*report.evaluation));
     write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));
     write_text_file(folder / "joints.csv", joints_csv(*report.evaluation));
+  }
+  if (!report.segmentation.empty()) {
+    write_text_file(folder / "overlaps.csv", overlaps_csv(report.segmentation));
   }
   std::filesystem::path page = folder / "report.html";
   write_text_file(page, report_html(report, figures));

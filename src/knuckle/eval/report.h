@@ -44,8 +44,9 @@ struct ReportFigures {
 std::string report_html(const Report& report, const ReportFigures& figures);
 
 /// Writes into `folder` (made where it is missing) `report.html`, and beside it `figures/NAME.svg` and
-/// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation. Returns the path
-/// of the page, which is written last. Throws an Error where gnuplot is missing or a file cannot be written.
+/// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation, `metrics.json`
+/// and `overlaps.csv` where it has boxes. Returns the path of the page, which is written last. Throws an
+/// Error where gnuplot is missing or a file cannot be written.
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder);
 
 }  // namespace knuckle
