@@ -91,6 +91,31 @@ TEST_F(SegmentationForestTrainingTest, TakesAShareOfTheFrames) {
   EXPECT_EQ(trained.frames, 3);
 }
 
+TEST_F(SegmentationForestTrainingTest, CountsTheWristAsHandWhereAsked) {
+  const Convention convention = convention_from_name("mediapipe21");
+  const auto put_wrist = [&](Frame& frame) {
+    std::ranges::fill(frame.mask.pixels(), std::uint8_t{0});
+    frame.truth = HandPose::missing(convention);
+    // On the trunk: nothing of it is hand but what the wrist says.
+    frame.truth->joints[0] = {160.0, 120.0, frame.depth_mm(160, 120)};
+  };
+  write_source("wrist", put_wrist);
+  const std::string source = "source = \"folder:wrist\"\n[pixels]\n";
+  EXPECT_THAT(error_of([&] { (void)run_training(config(source + kForest), {}); }),
+              HasSubstr("expected both"));
+  const std::string everything = "hand_pixels = 100000\nbackground_pixels = 100000\n";
+  const auto trained =
+      run_training(config(source + everything + "wrist_mm = 30\n[forest]\nmax_depth = 0\ntrees = 1\n"), {});
+  // A disc of 30 mm at 820 mm: pi * (30 * 241.42 / 820)^2 = 245 pixels of each frame.
+  const double hand = trained.samples * trained.forest.parts().leaf_codes[0] / 255.0 / 12.0;
+  EXPECT_NEAR(hand, 245.0, 0.5 * trained.samples / 255.0 / 12.0 + 15.0);
+  EXPECT_THAT(error_of([&] {
+                write_source("set");
+                (void)run_training(config("source = \"folder:set\"\n[pixels]\nwrist_mm = 30\n"), {});
+              }),
+              HasSubstr("no true wrist"));
+}
+
 TEST_F(SegmentationForestTrainingTest, NamesTheFault) {
   write_source("plain", [](Frame& frame) { frame.mask = {}; });
   write_source("empty", [](Frame& frame) { std::ranges::fill(frame.mask.pixels(), std::uint8_t{0}); });
