@@ -2,6 +2,7 @@
 #include "knuckle/segment/forest_segmenter.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -44,6 +45,26 @@ void clean(Image<std::uint8_t>& mask, const ForestSegmenterOptions& options) {
   if (options.opening_px > 1) cv::morphologyEx(view, view, cv::MORPH_OPEN, square(options.opening_px));
 }
 
+/// Whether the surface ends beside this pixel of the image: the neighbour's depth is much larger, or missing.
+bool is_at_edge(const Image<float>& depth_mm, int column, int row, float step_mm) {
+  const float bound = depth_mm(column, row) + step_mm;
+  constexpr std::array<std::pair<int, int>, 4> kNeighbours{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+  return std::ranges::any_of(kNeighbours, [&](const std::pair<int, int>& step) {
+    const int x = column + step.first;
+    const int y = row + step.second;
+    return depth_mm.contains(x, y) && !(is_measured(depth_mm(x, y)) && depth_mm(x, y) <= bound);
+  });
+}
+
+void trim_edges(Image<std::uint8_t>& mask, const Image<float>& depth_mm, double step_mm) {
+  for (int row = 0; row < mask.height(); ++row) {
+    for (int column = 0; column < mask.width(); ++column) {
+      std::uint8_t& pixel = mask(column, row);
+      if (pixel != 0 && is_at_edge(depth_mm, column, row, static_cast<float>(step_mm))) pixel = 0;
+    }
+  }
+}
+
 Image<std::uint8_t> hand_mask(const Image<float>& probability, const Image<float>& depth_mm,
                               const ForestSegmenterOptions& options) {
   Image<std::uint8_t> mask(probability.width(), probability.height());
@@ -53,6 +74,7 @@ Image<std::uint8_t> hand_mask(const Image<float>& probability, const Image<float
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (!is_measured(depth_mm.data()[i])) mask.data()[i] = 0;
   }
+  if (options.edge_step_mm > 0.0) trim_edges(mask, depth_mm, options.edge_step_mm);
   return mask;
 }
 
@@ -79,6 +101,7 @@ void ForestSegmenterOptions::visit(OptionVisitor& visitor) {
   visitor.integer("median_px", median_px, closed(1, 31));
   visitor.integer("closing_px", closing_px, closed(1, 31));
   visitor.integer("opening_px", opening_px, closed(1, 31));
+  visitor.real("edge_step_mm", edge_step_mm, closed(0, 1000));
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
 }
 
