@@ -120,7 +120,7 @@ TEST(SyntheticSource, TruthAndMaskFitThePicture) {
     const int row = static_cast<int>(std::lround(palm.v));
     EXPECT_EQ(frame.mask(column, row), 1);
     EXPECT_LT(frame.depth_mm(column, row), palm.depth_mm);
-    EXPECT_GT(frame.depth_mm(column, row), palm.depth_mm - 120.0);
+    EXPECT_GT(frame.depth_mm(column, row), palm.depth_mm - 140.0);
   }
 }
 
