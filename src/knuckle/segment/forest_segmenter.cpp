@@ -65,25 +65,16 @@ void trim_edges(Image<std::uint8_t>& mask, const Image<float>& depth_mm, double 
   }
 }
 
-Image<std::uint8_t> hand_mask(const Image<float>& probability, const Image<float>& depth_mm,
+Image<std::uint8_t> hand_mask(const PixelForest& forest, const Frame& frame,
                               const ForestSegmenterOptions& options) {
-  Image<std::uint8_t> mask(probability.width(), probability.height());
-  const auto threshold = static_cast<float>(options.probability);
-  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = probability.data()[i] > threshold ? 1 : 0;
+  const Image<float>& depth_mm = frame.depth_mm;
+  Image<std::uint8_t> mask = forest.above(depth_mm, frame.camera, static_cast<float>(options.probability));
   clean(mask, options);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (!is_measured(depth_mm.data()[i])) mask.data()[i] = 0;
   }
   if (options.edge_step_mm > 0.0) trim_edges(mask, depth_mm, options.edge_step_mm);
   return mask;
-}
-
-double expected_area(const PixelList& pixels, const Frame& frame, const Image<float>& probability) {
-  double area = 0.0;
-  for (const std::int32_t pixel : pixels) {
-    area += probability.data()[pixel] * pixel_area_mm2(frame.camera, frame.depth_mm.data()[pixel]);
-  }
-  return area;
 }
 
 double distance_to(const Point3& start, const PixelList& pixels, const RayTable& rays, const Frame& frame) {
@@ -121,14 +112,14 @@ Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Po
   result.reason = "no surface was measured in the frame";
   if (frame.depth_mm.empty()) return result;
   const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
-  const Image<float> probability = forest_.probability(frame.depth_mm, frame.camera);
 
   std::vector<std::pair<double, HandRegion>> found;  // with the distance from the start
-  for (const PixelList& pixels : components_of(hand_mask(probability, frame.depth_mm, options_))) {
-    if (area_mm2(pixels, frame.camera, frame.depth_mm) < options_.min_area_mm2) continue;
+  for (const PixelList& pixels : components_of(hand_mask(forest_, frame, options_))) {
+    const double area = area_mm2(pixels, frame.camera, frame.depth_mm);
+    if (area < options_.min_area_mm2) continue;
     HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
     region.centre = mean_point(pixels, *rays, frame.depth_mm);
-    region.score = expected_area(pixels, frame, probability);
+    region.score = area;
     const double distance = start ? std::max(distance_to(*start, pixels, *rays, frame), kAtStart) : 0.0;
     found.emplace_back(distance, std::move(region));
   }

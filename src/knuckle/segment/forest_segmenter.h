@@ -29,7 +29,7 @@ struct ForestSegmenterOptions {
 /// closing and an opening. What was not measured is dropped again, and where asked the edge of the hand. Each
 /// 8-connected component is a hand.
 ///
-/// Centre: mean of the points. Score: the sum of the pixels' areas, each times its probability [mm^2]. Best
+/// Centre: mean of the points. Score: the area [mm^2]. Best
 /// is the highest score; where a start is given, what lies nearest to it (the score decides between
 /// components that hold points within 20 mm of it).
 class ForestSegmenter final : public Segmenter {
