@@ -175,7 +175,8 @@ Manifest one_sided_manifest(const std::string& side) {
   Manifest manifest = small_manifest();
   manifest.camera.camera.cx = 33;
   manifest.camera.camera.distortion[3] = 0.01;
-  manifest.sensor = {.sigma_mm = 0, .quantisation_mm = 0};
+  manifest.sensor.noise.sigma_mm = 0;
+  manifest.sensor.quantisation_mm = 0;
   manifest.body.side = side;
   return manifest;
 }
