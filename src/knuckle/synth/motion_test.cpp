@@ -42,6 +42,26 @@ class MotionTest : public ::testing::Test {
   Camera camera_{.width = 320, .height = 240, .fx = 224, .fy = 224, .cx = 159.5, .cy = 119.5};
 };
 
+/// Dual quaternions end where the hand does: the skin must not tear there.
+TEST_F(MotionTest, TheWristIsSmoothUnderDualQuaternions) {
+  PostureOptions options;
+  options.placement.wrist_deg = 30.0;
+  double worst = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const PlacedPosture placed = posture_of_frame(rig_, camera_, options, 2, i);
+    const BodyPose pose = rig_.pose(placed.posture, placed.camera_from_body);
+    const PosedBody linear = posed_body(person_, pose);
+    const PosedBody rigid = posed_body(person_, pose, Skinning::dual_quaternion);
+    for (std::size_t f = 0; f < body_.faces.size(); ++f) {
+      if (body_.is_hand[f] != 0) continue;
+      for (const std::int32_t vertex : body_.faces[f]) {
+        worst = std::max<double>(worst, (linear.vertices[vertex] - rigid.vertices[vertex]).norm());
+      }
+    }
+  }
+  EXPECT_LT(worst, 3.0);
+}
+
 TEST_F(MotionTest, SampledHandsDoNotRunIntoThemselves) {
   const HandPoseOptions options;
   for (std::uint64_t i = 0; i < 4000; ++i) {

@@ -141,10 +141,9 @@ std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const Bod
   return transforms;
 }
 
-std::size_t limb_vertices(const Body& body) {
-  const std::size_t sections = body.sections.size();
-  return sections > 1 ? static_cast<std::size_t>(body.sections[sections - 2].vertices)
-                      : body.v_template.size();
+std::size_t hand_vertices(const Body& body) {
+  return body.sections.empty() ? body.v_template.size()
+                               : static_cast<std::size_t>(body.sections.front().vertices);
 }
 
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning) {
@@ -162,7 +161,7 @@ PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t
   posed.vertices.resize(vertex_count);
   std::size_t first_linear = 0;
   if (skinning == Skinning::dual_quaternion) {
-    first_linear = std::min(vertex_count, limb_vertices(body));
+    first_linear = std::min(vertex_count, hand_vertices(body));
     const std::vector<DualQuaternion> motions = dual_quaternions(transforms);
     for (std::size_t i = 0; i < first_linear; ++i) {
       posed.vertices[i] =

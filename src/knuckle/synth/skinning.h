@@ -54,16 +54,16 @@ enum class Skinning : std::uint8_t {
                     ///< approximate dual quaternion blending", 2008), which is a rigid motion again
 };
 
-/// Skinning; landmarks move with their bones. Dual quaternions serve the hand and the arm: what only the last
-/// of the body's sections has, where joints hardly bend, is always blended linearly. Throws as
-/// `bone_transforms` does.
+/// Skinning; landmarks move with their bones. Dual quaternions serve the hand, the first of the body's
+/// sections: the rest, where joints hardly bend or bend far from the hand, is always blended linearly. Throws
+/// as `bone_transforms` does.
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning = Skinning::linear);
 
 /// The same, of the first `vertex_count` vertices only: see Body::sections.
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count,
                      Skinning skinning = Skinning::linear);
 
-/// Number of vertices at the beginning that dual quaternions serve: those of all sections but the last.
-std::size_t limb_vertices(const Body& body);
+/// Number of vertices at the beginning that dual quaternions serve: all of a body without sections.
+std::size_t hand_vertices(const Body& body);
 
 }  // namespace knuckle

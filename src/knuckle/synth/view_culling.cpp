@@ -54,8 +54,9 @@ ViewCulling::ViewCulling(const ShapedBody& person)
       }
     }
   }
+  constexpr float kRoundingMm = 0.1f;
   for (const auto& [bone, box] : boxes) {
-    trunk_.push_back({bone, box.center(), 0.5f * box.diagonal().norm() + kSlackMm});
+    trunk_.push_back({bone, box.center(), 0.5f * box.diagonal().norm() + kRoundingMm});
   }
 }
 

@@ -13,9 +13,6 @@ namespace knuckle {
 /// whole body.
 class ViewCulling {
  public:
-  /// At the shoulder, dual quaternions take the skin this far beyond the bones' own places at most [mm].
-  static constexpr float kSlackMm = 25.0f;
-
   explicit ViewCulling(const ShapedBody& person);
 
   /// `transforms` are those of `bone_transforms`. The whole body where it has no sections, or where the

@@ -11,18 +11,6 @@
 namespace knuckle {
 namespace {
 
-/// Where dual quaternions take the arm's vertices on the trunk's faces, against where their bones do.
-void expect_within_slack(const ShapedBody& person, const BodyPose& pose) {
-  const Body& body = *person.body;
-  const PosedBody linear = posed_body(person, pose);
-  const PosedBody rigid = posed_body(person, pose, Skinning::dual_quaternion);
-  for (std::size_t f = static_cast<std::size_t>(body.sections[1].faces); f < body.faces.size(); ++f) {
-    for (const std::int32_t vertex : body.faces[f]) {
-      ASSERT_LT((linear.vertices[vertex] - rigid.vertices[vertex]).norm(), ViewCulling::kSlackMm);
-    }
-  }
-}
-
 /// Renders postures whole and culled; returns in how many the trunk could be left out.
 int trunkless_frames(const Body& body, const std::vector<double>& coefficients, const Camera& camera,
                      int frames) {
@@ -36,7 +24,6 @@ int trunkless_frames(const Body& body, const std::vector<double>& coefficients, 
   for (int i = 0; i < frames; ++i) {
     const PlacedPosture placed = posture_of_frame(rig, camera, postures, 5, i);
     const BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
-    expect_within_slack(person, pose);
     const BodySection section = culling.visible_section(bone_transforms(person, pose), camera);
     if (section.faces == static_cast<std::int32_t>(body.faces.size())) continue;
     ++culled;
