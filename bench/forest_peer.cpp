@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
+#include <functional>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -40,14 +42,14 @@ struct Table {
   std::int16_t at(std::size_t row, std::size_t feature) const { return values[row * kFeatures + feature]; }
 };
 
-/// Pixels of balls before a wall, all of them, with noise of 15 mm.
+/// Pixels of balls before a wall, all of them, with noise of 80 mm.
 Table table_of(int first_scene, int scenes, const std::vector<OffsetPair>& features) {
   Table table;
   for (int i = first_scene; i < first_scene + scenes; ++i) {
     testing::BallScene scene(static_cast<std::uint64_t>(i), 160, 120, 60);
     Random noise(99, static_cast<std::uint64_t>(i));
     for (float& depth : scene.depth_mm.pixels()) {
-      if (depth > 0.0F) depth += static_cast<float>(15.0 * noise.normal());
+      if (depth > 0.0F) depth += static_cast<float>(80.0 * noise.normal());
     }
     const BorderedDepth depth(scene.depth_mm);
     const OffsetScale scale(scene.camera);
@@ -166,10 +168,10 @@ void run_knuckle(const Table& training, const Table& test) {
   report("knuckle", wall, spent, right, test.rows());
 }
 
-cv::Mat as_floats(const Table& table) {
+cv::Mat_<float> as_floats(const Table& table) {
   cv::Mat_<float> rows(static_cast<int>(table.rows()), kFeatures);
   std::ranges::copy(table.values, rows.begin());
-  return std::move(rows);
+  return rows;
 }
 
 void run_opencv(const Table& training, const Table& test) {
