@@ -23,8 +23,7 @@ Hdf5File open_whole(const std::filesystem::path& path) {
   if (is_frame_log(path)) fail(kUnfinished, path.string());
   Hdf5File file = Hdf5File::open(path);
   file.require_format(kH5Format, kH5Version);
-  if (file.number_attribute("complete") != 1)
-    fail(kUnfinished, path.string());
+  if (file.number_attribute("complete") != 1) fail(kUnfinished, path.string());
   return file;
 }
 

@@ -21,8 +21,8 @@ std::vector<std::string> source_kinds();
 /// Whether the text starts with a kind of source and a colon (and is not, say, a file's name).
 bool names_a_source(std::string_view text);
 
-/// The source that a file names under `key`; a relative path in it starts at the file's folder. Throws an Error
-/// where the key is missing.
+/// The source that a file names under `key`; a relative path in it starts at the file's folder. Throws an
+/// Error where the key is missing.
 std::string source_in(const OptionTable& document, std::string_view key);
 
 }  // namespace knuckle
