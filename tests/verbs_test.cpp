@@ -242,7 +242,7 @@ TEST_F(VerbsTest, ASourceWithoutTruthGivesAReportOfPictures) {
 
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {
   // A frame and its mirror image, the one with side = right, the other with side = left.
-  const std::string pipeline = read_text_file("pipelines/default.toml");
+  const std::string pipeline = read_text_file("pipelines/pose_forest.toml");
   const std::string model = std::filesystem::absolute("models/pose_forest.h5");
   const auto with = [&](std::string text, const std::string& from, const std::string& to) {
     return text.replace(text.find(from), from.size(), to);
