@@ -21,6 +21,7 @@
 #include "knuckle/eval/figures.h"
 #include "knuckle/synth/body_shape.h"
 #include "knuckle/synth/hand_distance.h"
+#include "knuckle/synth/hand_rig.h"
 #include "knuckle/synth/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/motion.h"
@@ -66,6 +67,19 @@ std::vector<HandJoints> read_real_hands(const CoverageOptions& options) {
   for (int i = options.first; i < count; i += options.step) hands.push_back(from_fpha(&values[i * kValues]));
   if (hands.empty()) fail("{}: no pose {} of {}", options.poses.string(), options.first, count);
   return hands;
+}
+
+/// A hand with two of its labels where FPHA's annotators put them. In that set wrist and root of the thumb
+/// are no joints of their own but points that are fixed in the palm: measured over its poses, the wrist lies
+/// 0.186 of the way from the wrist's crease to the middle MCP, and the thumb's root beside it, not at the
+/// trapeziometacarpal joint.
+HandJoints with_labels_of_fpha(HandJoints hand) {
+  constexpr double kWristShare = 0.186;
+  const Eigen::Vector3d thumb_root(0.201, -0.020, 0.021);  // in parts of wrist to middle MCP
+  const Eigen::Matrix3d axes = hand_axes(hand[0], hand[5], hand[9], hand[17]);
+  hand[0] += kWristShare * (hand[9] - hand[0]);
+  hand[1] = hand[0] + (hand[9] - hand[0]).norm() * (axes * thumb_root);
+  return hand;
 }
 
 /// Different adults, as a data set shows them.
@@ -180,11 +194,15 @@ void measure(const CoverageOptions& options) {
   fmt::print("{} real poses (from {}, every {}th), {} samples, {} people\n", real.size(), options.first,
              options.step, options.samples, options.people);
   std::vector<Coverage> coverages;
-  for (const auto& [name, pose] :
-       {std::pair{"gesture pairs and jitter", paper_recipe()}, {"full sampler", HandPoseOptions{}}}) {
-    coverages.push_back(coverage_of(name, real, sampled_hands(population, pose, options), options));
+  const auto add = [&](const std::string& name, const std::vector<HandJoints>& sampled) {
+    coverages.push_back(coverage_of(name, real, sampled, options));
     print(coverages.back());
-  }
+  };
+  add("gesture pairs and jitter", sampled_hands(population, paper_recipe(), options));
+  std::vector<HandJoints> full = sampled_hands(population, HandPoseOptions{}, options);
+  add("full sampler", full);
+  std::ranges::transform(full, full.begin(), with_labels_of_fpha);
+  add("full sampler, labels of FPHA", full);
   if (!options.figure_folder.empty()) draw(coverages, options.figure_folder);
 }
 

@@ -106,6 +106,13 @@ void skinning(benchmark::State& state) {
 }
 BENCHMARK(skinning)->Name("render/skinning")->Unit(benchmark::kMicrosecond);
 
+void rigid_skinning(benchmark::State& state) {
+  run(state, [](const Scene& scene, std::int64_t i) {
+    return posed_body(scene.person, scene.poses[i], Skinning::dual_quaternion);
+  });
+}
+BENCHMARK(rigid_skinning)->Name("render/skinning/dual_quaternion")->Unit(benchmark::kMicrosecond);
+
 void rasterising(benchmark::State& state) {
   run(state, [](const Scene& scene, std::int64_t i) { return scene.rendering(i); });
 }

@@ -29,6 +29,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"inspect"},
                                                {"render"},
                                                {"train", "pose-forest"},
+                                               {"train", "segmentation-forest"},
                                                {"segment"},
                                                {"estimate"},
                                                {"evaluate"},
@@ -147,6 +148,33 @@ TEST_F(VerbsTest, SegmentWritesALineAFrame) {
   const std::string options = read_text_file(path("boxes.csv.options.toml"));
   EXPECT_THAT(options, HasSubstr("bandwidth_mm = 13.5"));
   EXPECT_THAT(options, HasSubstr("max_iterations = ")) << "defaults are written too";
+}
+
+TEST_F(VerbsTest, ASegmentationForestIsTrainedAndItsBoxesAreScored) {
+  write_text_file(path("train.toml"),
+                  "source = \"synthetic:" + std::filesystem::absolute("manifests/demo.toml").string() +
+                      "?count=20\"\n[forest]\ntrees = 2\nsplits_per_node = 100\noffsets_per_node = 40\n");
+  ASSERT_THAT(run_program({"train", "segmentation-forest", "--config", path("train.toml"), "--out",
+                           path("forest.h5")}),
+              Succeeded());
+  write_text_file(path("pipeline.toml"), "[segmentation]\nmethod = 'forest'\nmodel = 'forest.h5'\n");
+  ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", path("pipeline.toml"), "--out",
+                           path("boxes.csv"), "--json", path("segment.json")}),
+              Succeeded());
+  const auto summary = nlohmann::json::parse(read_text_file(path("segment.json")));
+  EXPECT_EQ(summary["found"], 6);
+  EXPECT_GT(summary["mask"]["mean_iou"], 0.8);
+
+  ASSERT_THAT(
+      run_program({"evaluate", "--truth", kDemoSource, "--boxes", "forest=" + path("boxes.csv"), "--boxes",
+                   "again=" + path("boxes.csv"), "--json", path("scores.json"), "--out", path("report")}),
+      Succeeded());
+  const auto scores = nlohmann::json::parse(read_text_file(path("scores.json")));
+  EXPECT_EQ(scores["segmentation"][1]["name"], "again");
+  EXPECT_EQ(scores["segmentation"][0]["frames"], 6);
+  EXPECT_GT(scores["segmentation"][0]["mean_iou"], 0.5);
+  EXPECT_TRUE(std::filesystem::exists(path("report/figures/overlap.svg")));
+  EXPECT_THAT(run_program({"evaluate", "--truth", kDemoSource}).error, HasSubstr("nothing to score"));
 }
 
 TEST_F(VerbsTest, EstimatesAreEvaluatedAgainstTheirSource) {

@@ -32,6 +32,7 @@ namespace knuckle {
 namespace {
 
 constexpr std::uint64_t kSeed = 7;
+constexpr double kBoneSpread = 0.05;  ///< the default of manifests
 constexpr int kTimedFrames = 800;
 
 struct Arguments {
@@ -53,7 +54,7 @@ struct PosedFrame {
 ShapedBody person_of(const Body& body, std::string_view kind) {
   if (kind != "makehuman") return shaped_body(body, std::vector<double>(body.shapedirs.size(), 0.0));
   Random random(kSeed);
-  return shaped_body(body, shape_coefficients(body, sampled_person(body, random)));
+  return shaped_body(body, sampled_person(body, kBoneSpread, random));
 }
 
 void draw(PosedFrame& frame, const ShapedBody& person, const Camera& camera) {

@@ -4,6 +4,7 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
+#include "knuckle/eval/boxes_file.h"
 #include "knuckle/eval/evaluation.h"
 #include "knuckle/eval/gallery.h"
 #include "knuckle/eval/report.h"
@@ -16,6 +17,7 @@ namespace {
 struct EvaluateArguments {
   std::string truth;
   std::vector<std::string> predictions;
+  std::vector<std::string> boxes;
   std::string convention;
   std::string camera;
   std::filesystem::path out;
@@ -25,6 +27,7 @@ struct EvaluateArguments {
   void visit(OptionVisitor& visitor) {
     visitor.text("truth", truth);
     visitor.texts("predictions", predictions, {});
+    visitor.texts("boxes", boxes, {});
     visitor.text("convention", convention);
     visitor.text("camera", camera);
   }
@@ -67,6 +70,26 @@ void print_scores(const Evaluation& evaluation) {
   }
 }
 
+/// Boxes count pixels, whose numbers do not depend on where a source's coordinates start.
+std::vector<SegmentationScore> score_box_files(const EvaluateArguments& arguments, const Truth& truth) {
+  std::vector<SegmentationScore> scores;
+  for (const std::string& text : arguments.boxes) {
+    const NamedPath file = named_path_from_text(text);
+    scores.push_back(score_boxes(file.name, read_boxes_file(file.path), truth.sequence.poses));
+  }
+  return scores;
+}
+
+void print_scores(const std::vector<SegmentationScore>& scores) {
+  fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9}\n", "boxes", "frames", "missing", "mean r", "median r",
+             "r > 0.5");
+  for (const SegmentationScore& score : scores) {
+    constexpr std::size_t kHalf = 50;  // the curve has a value a hundredth
+    fmt::print("{:<24} {:>7} {:>8} {:>9.4f} {:>11.4f} {:>9.4f}\n", score.name, score.frames, score.missing,
+               score.mean_iou, score.median_iou, score.fraction_above.at(kHalf));
+  }
+}
+
 void write_options(const EvaluateArguments& arguments, const std::filesystem::path& output) {
   write_resolved_options(output,
                          options_as_toml(arguments) + "\n[gallery]\n" + options_as_toml(arguments.gallery));
@@ -79,7 +102,7 @@ void write_out(const EvaluateArguments& arguments, const Report& report) {
 
 /// A source without truth: nothing can be scored, but the poses can be looked at.
 void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& source) {
-  if (arguments.out.empty() || !arguments.json.empty()) {
+  if (arguments.out.empty() || !arguments.json.empty() || !arguments.boxes.empty()) {
     fail("{}: the source has no truth to score against; --out alone makes a report of pictures",
          arguments.truth);
   }
@@ -99,21 +122,29 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
 
 void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
   const std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
-  const Evaluation evaluation = evaluate(opened.truth, predictions);
-  print_scores(evaluation);
+  Report report;
+  if (!predictions.empty()) {
+    report.evaluation = evaluate(opened.truth, predictions);
+    print_scores(*report.evaluation);
+  }
+  report.segmentation = score_box_files(arguments, opened.truth);
+  if (!report.segmentation.empty()) print_scores(report.segmentation);
   if (!arguments.json.empty()) {
-    write_text_file(arguments.json, to_json(evaluation));
+    write_text_file(arguments.json, to_json(report.evaluation, report.segmentation));
     write_options(arguments, arguments.json);
   }
   if (arguments.out.empty()) return;
-  Report report;
-  report.evaluation = evaluation;
-  report.gallery =
-      make_gallery({opened.source.get(), &opened.truth, &evaluation, predictions}, arguments.gallery);
+  if (report.evaluation) {
+    report.gallery = make_gallery({opened.source.get(), &opened.truth, &*report.evaluation, predictions},
+                                  arguments.gallery);
+  }
   write_out(arguments, report);
 }
 
 void run_evaluate(const EvaluateArguments& arguments) {
+  if (arguments.predictions.empty() && arguments.boxes.empty()) {
+    fail("evaluate: nothing to score: give --predictions NAME=PATH or --boxes NAME=PATH");
+  }
   if (!names_a_source(arguments.truth)) return score_labelled(arguments, read_truth_file(arguments));
   auto source = open_source(arguments.truth);
   if (!source->convention()) return show_unlabelled(arguments, *source);
@@ -133,8 +164,9 @@ void add_evaluate(CLI::App& program) {
   verb.add_option("--truth", arguments->truth,
                   "A source KIND:PATH, or a file of `u v d` lines (then with --camera)")
       ->required();
-  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow")
-      ->required();
+  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow");
+  verb.add_option("--boxes", arguments->boxes,
+                  "NAME=PATH of what `segment` wrote, to be scored against the box of the true joints");
   verb.add_option("--convention", arguments->convention, "Landmarks of files that do not name theirs");
   verb.add_option("--camera", arguments->camera,
                   "fx,fy,cx,cy [px] of a truth file; a negative fy: y points up");

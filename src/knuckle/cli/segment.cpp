@@ -14,6 +14,7 @@ struct SegmentArguments {
   std::string source;
   std::filesystem::path pipeline = resource_path("pipelines/default.toml");
   std::filesystem::path out;
+  std::filesystem::path json;
   std::string init = "nearest";
 };
 
@@ -23,6 +24,7 @@ void run_segment(const SegmentArguments& arguments) {
   const std::vector<FrameSegmentation> frames =
       segment_all(*source, finder, start_from_name(arguments.init), arguments.source);
   write_text_file(arguments.out, boxes_csv(frames));
+  if (!arguments.json.empty()) write_text_file(arguments.json, summary_json(frames, arguments.source));
   write_resolved_options(arguments.out, finder.resolved_options());
   const auto found = std::ranges::count_if(frames, &FrameSegmentation::found);
   fmt::print("{} frames, hand found in {}: {}\n", frames.size(), found, arguments.out.string());
@@ -38,6 +40,8 @@ void add_segment(CLI::App& program) {
   verb.add_option("--pipeline", arguments->pipeline, "Pipeline file; its [hand] and [segmentation] count")
       ->capture_default_str();
   verb.add_option("--out", arguments->out, "CSV: frame,found,x,y,width,height,milliseconds")->required();
+  verb.add_option("--json", arguments->json,
+                  "File for a summary: times, and the overlap of masks where the source has true ones");
   add_init_option(verb, arguments->init);
   verb.callback([arguments] { run_segment(*arguments); });
 }

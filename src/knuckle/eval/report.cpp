@@ -33,10 +33,17 @@ ReportFigures draw_figures(const Report& report, const std::filesystem::path& fo
   return {drawn_figures(poses, folder), drawn_figures(segmentation, folder)};
 }
 
-void write_scores(const Evaluation& evaluation, const std::filesystem::path& folder) {
-  write_text_file(folder / "metrics.json", to_json(evaluation));
-  write_text_file(folder / "curves.csv", curves_csv(evaluation));
-  write_text_file(folder / "joints.csv", joints_csv(evaluation));
+void write_scores(const Report& report, const std::filesystem::path& folder) {
+  if (report.evaluation || !report.segmentation.empty()) {
+    write_text_file(folder / "metrics.json", to_json(report.evaluation, report.segmentation));
+  }
+  if (report.evaluation) {
+    write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));
+    write_text_file(folder / "joints.csv", joints_csv(*report.evaluation));
+  }
+  if (!report.segmentation.empty()) {
+    write_text_file(folder / "overlaps.csv", overlaps_csv(report.segmentation));
+  }
 }
 
 std::string part_html(const ReportPart& part) {
@@ -75,7 +82,7 @@ std::filesystem::path write_report(std::span<const Report> reports, const std::f
     const std::filesystem::path own_folder = folder / report.id;
     make_folder(own_folder);
     parts.push_back({report, draw_figures(report, own_folder / "figures")});
-    if (report.evaluation) write_scores(*report.evaluation, own_folder);
+    write_scores(report, own_folder);
   }
   std::filesystem::path page = folder / "report.html";
   write_text_file(page, report_html(parts));

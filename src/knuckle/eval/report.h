@@ -62,8 +62,9 @@ struct ReportPart {
 std::string report_html(std::span<const ReportPart> parts);
 
 /// Writes into `folder` (made where it is missing) `report.html`, and beside it `figures/NAME.svg` and
-/// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation. Returns the path
-/// of the page, which is written last. Throws an Error where gnuplot is missing or a file cannot be written.
+/// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation, `metrics.json`
+/// and `overlaps.csv` where it has boxes. Returns the path of the page, which is written last. Throws an
+/// Error where gnuplot is missing or a file cannot be written.
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder);
 /// The same for several reports on one page; the files of each lie in `folder / id`.
 std::filesystem::path write_report(std::span<const Report> reports, const std::filesystem::path& folder);

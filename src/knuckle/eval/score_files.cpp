@@ -34,6 +34,15 @@ ordered_json method_json(const MethodScore& method) {
           {"auc_pck_0_50", method.auc_pck_0_50}};
 }
 
+ordered_json segmentation_json(const SegmentationScore& score) {
+  ordered_json above = ordered_json::object();
+  for (const std::size_t percent : {50U, 75U}) {  // the curve has a value a hundredth
+    above[fmt::format("{:.2f}", score.threshold.at(percent))] = score.fraction_above.at(percent);
+  }
+  return {{"name", score.name},         {"frames", score.frames},         {"missing", score.missing},
+          {"mean_iou", score.mean_iou}, {"median_iou", score.median_iou}, {"fraction_above", above}};
+}
+
 /// A CSV field: in quotes where it holds a separator, quote or line end.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -45,11 +54,30 @@ std::string field(const std::string& text) {
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation) {
-  ordered_json methods = ordered_json::array();
-  for (const MethodScore& method : evaluation.methods) methods.push_back(method_json(method));
-  const ordered_json all = {{"convention", evaluation.convention.name}, {"methods", methods}};
+  return to_json(evaluation, {});
+}
+
+std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes) {
+  ordered_json all = ordered_json::object();
+  if (evaluation) {
+    all["convention"] = evaluation->convention.name;
+    all["methods"] = ordered_json::array();
+    for (const MethodScore& method : evaluation->methods) all["methods"].push_back(method_json(method));
+  }
+  for (const SegmentationScore& score : boxes) all["segmentation"].push_back(segmentation_json(score));
   // A name may hold bytes that are no UTF-8: replaced, not refused.
   return all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string overlaps_csv(std::span<const SegmentationScore> boxes) {
+  std::string text = "method,threshold,frames_above\n";
+  for (const SegmentationScore& score : boxes) {
+    for (std::size_t i = 0; i < score.threshold.size(); ++i) {
+      fmt::format_to(std::back_inserter(text), "{},{:.2f},{:.6f}\n", field(score.name), score.threshold[i],
+                     score.fraction_above[i]);
+    }
+  }
+  return text;
 }
 
 std::string curves_csv(const Evaluation& evaluation) {

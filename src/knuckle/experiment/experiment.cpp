@@ -100,7 +100,10 @@ class Experiment {
     run_step(out, inputs_of(source, method), [&] {
       fmt::print("{}: segmenting by {}\n", sequence.title, method.name);
       const HandFinder finder = HandFinder::load(pipeline_of(method));
-      write_text_file(out, boxes_csv(segment_all(*open_source(source), finder, Start::nearest, source)));
+      const std::vector<FrameSegmentation> frames =
+          segment_all(*open_source(source), finder, Start::nearest, source);
+      write_text_file(summary_file(out), summary_json(frames, source));
+      write_text_file(out, boxes_csv(frames));
     });
   }
 
@@ -112,8 +115,7 @@ class Experiment {
       const Pipeline pipeline = Pipeline::load(pipeline_of(method));
       const std::vector<FrameEstimate> frames =
           estimate_all(*open_source(source), pipeline, Start::truth, source);
-      write_text_file(summary_file(options_.out, sequence, method),
-                      summary_json(frames, source, pipeline.convention()));
+      write_text_file(summary_file(out), summary_json(frames, source, pipeline.convention()));
       write_poses_file(out, pipeline.convention(), poses_of(frames, pipeline.convention()));
     });
   }

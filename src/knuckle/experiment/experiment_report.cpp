@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/file_io.h"
+#include "knuckle/eval/boxes_file.h"
 #include "knuckle/eval/report.h"
 #include "knuckle/pipeline/open_source.h"
-#include "knuckle/pipeline/run.h"
 
 namespace knuckle {
 namespace {
@@ -24,29 +24,26 @@ std::string file_stem(const std::string& name) {
   return stem;
 }
 
-std::vector<Box> boxes_of(const std::vector<FrameSegmentation>& frames) {
-  std::vector<Box> boxes;
-  for (const FrameSegmentation& frame : frames) boxes.push_back(frame.box);
-  return boxes;
-}
-
-double median_milliseconds(const std::vector<FrameSegmentation>& frames) {
-  std::vector<double> times;
-  for (const FrameSegmentation& frame : frames) times.push_back(frame.milliseconds);
-  return median_of(times);
-}
-
 /// One sequence, scored.
 struct ScoredSequence {
   Report report;
+  std::vector<double> mask_iou;         ///< of all pixels with the true masks, one a segmentation
   std::vector<double> segmentation_ms;  ///< median of a frame, one a segmentation
   std::vector<double> estimation_ms;    ///< the same of crop, inference and refinement, one an estimation
 };
 
-double inference_ms(const std::filesystem::path& summary) {
-  const auto times = nlohmann::json::parse(read_text_file(summary)).at("median_ms");
+nlohmann::json read_json(const std::filesystem::path& path) {
+  return nlohmann::json::parse(read_text_file(path));
+}
+
+double inference_ms(const nlohmann::json& summary) {
+  const auto& times = summary.at("median_ms");
   return times.at("patch").get<double>() + times.at("estimate").get<double>() +
          times.at("refine").get<double>();
+}
+
+double mask_iou(const nlohmann::json& summary) {
+  return summary.contains("mask") ? summary["mask"].at("pixel_iou").get<double>() : kNaN;
 }
 
 ScoredSequence scored(const ExperimentPlan& plan, const PlannedSequence& sequence,
@@ -57,14 +54,16 @@ ScoredSequence scored(const ExperimentPlan& plan, const PlannedSequence& sequenc
   result.report.id = sequence.name;
   result.report.title = sequence.title;
   for (const PlannedMethod& method : plan.segmentation) {
-    const auto frames = read_boxes_csv(boxes_file(out, sequence, method));
-    result.report.segmentation.push_back(score_boxes(method.name, boxes_of(frames), truth.sequence.poses));
-    result.segmentation_ms.push_back(median_milliseconds(frames));
+    const std::vector<Box> boxes = read_boxes_file(boxes_file(out, sequence, method));
+    result.report.segmentation.push_back(score_boxes(method.name, boxes, truth.sequence.poses));
+    const auto summary = read_json(summary_file(boxes_file(out, sequence, method)));
+    result.segmentation_ms.push_back(summary.at("median_ms").get<double>());
+    result.mask_iou.push_back(mask_iou(summary));
   }
   std::vector<Predictions> predictions;
   for (const PlannedMethod& method : plan.estimation) {
     predictions.push_back({method.name, read_poses_file(poses_file(out, sequence, method))});
-    result.estimation_ms.push_back(inference_ms(summary_file(out, sequence, method)));
+    result.estimation_ms.push_back(inference_ms(read_json(summary_file(poses_file(out, sequence, method)))));
   }
   if (predictions.empty()) return result;
   for (HandPose& pose : truth.sequence.poses) pose = converted(pose, plan.convention);
@@ -100,6 +99,8 @@ Report overview(const ExperimentPlan& plan, const std::vector<ScoredSequence>& s
   };
   add("Segmentation: mean overlap r of boxes", plan.segmentation, 3,
       [](const auto& sequence, std::size_t i) { return sequence.report.segmentation[i].mean_iou; });
+  add("Segmentation: IoU of all pixels with the true masks", plan.segmentation, 3,
+      [](const auto& sequence, std::size_t i) { return sequence.mask_iou[i]; });
   add("Segmentation: median time of a frame on one thread (ms)", plan.segmentation, 2,
       [](const auto& sequence, std::size_t i) { return sequence.segmentation_ms[i]; });
   add("Pose: mean 3D error (mm)", plan.estimation, 2,
@@ -123,9 +124,8 @@ std::filesystem::path poses_file(const std::filesystem::path& out, const Planned
   return out / sequence.name / "poses" / (file_stem(method.name) + ".txt");
 }
 
-std::filesystem::path summary_file(const std::filesystem::path& out, const PlannedSequence& sequence,
-                                   const PlannedMethod& method) {
-  return out / sequence.name / "poses" / (file_stem(method.name) + ".json");
+std::filesystem::path summary_file(std::filesystem::path result) {
+  return result.replace_extension(".json");
 }
 
 void write_experiment_report(const ExperimentPlan& plan, std::span<const std::string> sources,

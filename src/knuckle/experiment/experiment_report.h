@@ -14,8 +14,8 @@ std::filesystem::path boxes_file(const std::filesystem::path& out, const Planned
                                  const PlannedMethod& method);
 std::filesystem::path poses_file(const std::filesystem::path& out, const PlannedSequence& sequence,
                                  const PlannedMethod& method);
-std::filesystem::path summary_file(const std::filesystem::path& out, const PlannedSequence& sequence,
-                                   const PlannedMethod& method);
+/// Counts and times, beside such a file.
+std::filesystem::path summary_file(std::filesystem::path result);
 
 /// Scores all boxes and poses of an experiment and writes `out / report.html`: an overview, then for each
 /// sequence the paper's Figure 4 (boxes with r > t) and Figure 5 (errors of the joints). `sources` has one a

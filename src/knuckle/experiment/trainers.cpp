@@ -12,6 +12,8 @@
 #include "knuckle/core/text.h"
 #include "knuckle/pipeline/open_source.h"
 #include "knuckle/pipeline/pose_forest_training.h"
+#include "knuckle/pipeline/segmentation_forest_training.h"
+#include "knuckle/segment/segmentation_forest.h"
 
 namespace knuckle {
 namespace {
@@ -23,17 +25,39 @@ struct Trainer {
   void (*train)(const std::filesystem::path& config, double scale, const std::filesystem::path& out);
 };
 
+template <class Config>
+std::string source_of(const std::filesystem::path& config) {
+  return Config::load(config).source;
+}
+
+template <class Config>
+Config scaled_config(const std::filesystem::path& path, double scale) {
+  Config config = Config::load(path);
+  config.source = scaled_source(config.source, scale);
+  return config;
+}
+
+std::filesystem::path checkpoint_beside(const std::filesystem::path& out) {
+  return out.string() + ".checkpoint";
+}
+
 void train_pose_forest_model(const std::filesystem::path& path, double scale,
                              const std::filesystem::path& out) {
-  auto config = PoseForestTrainingConfig::load(path);
-  config.source = scaled_source(config.source, scale);
-  save_pose_forest(out, run_training(config, out.string() + ".checkpoint").model);
+  const auto config = scaled_config<PoseForestTrainingConfig>(path, scale);
+  save_pose_forest(out, run_training(config, checkpoint_beside(out)).model);
+}
+
+void train_segmentation_forest_model(const std::filesystem::path& path, double scale,
+                                     const std::filesystem::path& out) {
+  const auto config = scaled_config<SegmentationForestTrainingConfig>(path, scale);
+  save_segmentation_forest(out,
+                           run_training(config, TrainingRun{.checkpoint = checkpoint_beside(out)}).forest);
 }
 
 constexpr std::array kTrainers{
-    Trainer{"pose-forest",
-            [](const std::filesystem::path& path) { return PoseForestTrainingConfig::load(path).source; },
-            train_pose_forest_model},
+    Trainer{"pose-forest", source_of<PoseForestTrainingConfig>, train_pose_forest_model},
+    Trainer{"segmentation-forest", source_of<SegmentationForestTrainingConfig>,
+            train_segmentation_forest_model},
 };
 
 const Trainer& trainer_of(std::string_view kind) {

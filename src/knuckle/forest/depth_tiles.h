@@ -21,12 +21,24 @@ class DepthTiles {
   int width() const { return width_; }
   int height() const { return height_; }
   /// The stored depth of a pixel; kFarDepth out of the image.
-  std::int16_t operator()(int column, int row) const {
+  std::int16_t operator()(int column, int row) const { return at(place_of(column, row)); }
+
+  /// A place to read, parted in what can be computed for many at once and what must be looked up.
+  struct Place {
+    std::int32_t tile = 0;   ///< of the table
+    std::int32_t pixel = 0;  ///< in the tile
+  };
+  /// operator() is at(place_of(column, row)).
+  Place place_of(int column, int row) const {
     // One tile of border all around takes whatever lies outside.
-    const auto x = static_cast<std::size_t>(std::clamp(column, -1, width_) + kSide);
-    const auto y = static_cast<std::size_t>(std::clamp(row, -1, height_) + kSide);
-    const std::size_t tile = tiles_[y / kSide * tiles_a_row_ + x / kSide];
-    return pixels_[tile * kSide * kSide + y % kSide * kSide + x % kSide];
+    const int x = std::clamp(column, -1, width_) + kSide;
+    const int y = std::clamp(row, -1, height_) + kSide;
+    return {(y >> kSideBits) * tiles_a_row_ + (x >> kSideBits),
+            ((y & (kSide - 1)) << kSideBits) + (x & (kSide - 1))};
+  }
+  std::int16_t at(Place place) const {
+    const std::size_t tile = tiles_[static_cast<std::size_t>(place.tile)];
+    return pixels_[tile * kSide * kSide + static_cast<std::size_t>(place.pixel)];
   }
 
   std::size_t bytes() const;
@@ -34,11 +46,12 @@ class DepthTiles {
   std::uint64_t hash() const;
 
  private:
-  static constexpr int kSide = 8;
+  static constexpr int kSideBits = 3;
+  static constexpr int kSide = 1 << kSideBits;
 
   int width_ = 0;
   int height_ = 0;
-  std::size_t tiles_a_row_ = 0;
+  std::int32_t tiles_a_row_ = 0;
   std::vector<std::uint16_t> tiles_;  // where each tile's pixels lie; tile 0 holds nothing but kFarDepth
   std::vector<std::int16_t> pixels_;
 };

@@ -29,13 +29,18 @@ void OffsetFeatures::gather(std::span<const std::uint32_t> samples, Loop loop, B
     const std::size_t first = static_cast<std::size_t>(tile) * kTileSamples;
     const std::size_t count = std::min(kTileSamples, samples.size() - first);
     std::int16_t* const target = block.rows.tile(static_cast<std::size_t>(tile));
+    std::vector<DepthTiles::Place> places(block.pool.size());
     for (std::size_t i = 0; i < count; ++i) {
       const auto& [index, column, row] = samples_[samples[first + i]];
       const PixelSamples::DepthImage& image = images_[index];
       const PixelScale scale = image.scale.at(image.depth(column, row));
+      for (std::size_t p = 0; p < places.size(); ++p) {  // arithmetic only: vectorises
+        const DepthOffset& offset = block.pool[p];
+        places[p] = image.depth.place_of(shifted(column, offset.x, scale.x), shifted(row, offset.y, scale.y));
+      }
       std::int16_t* value = target + i;
-      for (const DepthOffset& offset : block.pool) {
-        *value = image.depth(shifted(column, offset.x, scale.x), shifted(row, offset.y, scale.y));
+      for (const DepthTiles::Place& place : places) {
+        *value = image.depth.at(place);
         value += block.rows.chunk_samples;
       }
     }

@@ -37,9 +37,15 @@ void check_parts(const PixelForest::Parts& parts, const std::string& origin) {
   }
 }
 
+/// The probability that belongs to a sum of the trees' codes.
+float probability_of(int sum, int trees) {
+  return static_cast<float>(sum) / static_cast<float>(PixelForest::kMostCode * trees);
+}
+
 /// A measured pixel.
 struct Pixel {
   std::int32_t index = 0;  ///< row * width + column
+  std::int32_t sum = 0;    ///< of the leaf codes so far
   std::int16_t column = 0;
   std::int16_t row = 0;
 };
@@ -51,8 +57,10 @@ std::vector<Pixel> measured_pixels(const BorderedDepth& depth) {
     const std::int16_t* line = depth.data() + row * depth.stride();
     for (int column = 0; column < depth.width(); ++column) {
       if (line[column] == kFarDepth) continue;
-      pixels.push_back(
-          {row * depth.width() + column, static_cast<std::int16_t>(column), static_cast<std::int16_t>(row)});
+      pixels.push_back({.index = row * depth.width() + column,
+                        .sum = 0,
+                        .column = static_cast<std::int16_t>(column),
+                        .row = static_cast<std::int16_t>(row)});
     }
   }
   return pixels;
@@ -88,7 +96,7 @@ std::uint32_t next_node(const Node& node, const Walker& walker, const Ground& gr
   return static_cast<std::uint32_t>(node.next) + (first - second >= node.threshold ? 1U : 0U);
 }
 
-/// Walks some pixels down one tree and adds their leaves' codes to `sums`, one a pixel.
+/// Walks pixels down a tree and adds their leaves' codes to their sums.
 class TreeWalk {
  public:
   TreeWalk(const Node* nodes, const BorderedDepth& depth, const OffsetScale& scale)
@@ -99,7 +107,7 @@ class TreeWalk {
     ground_.highest = Int32x4{depth.width(), depth.height(), depth.width(), depth.height()};
   }
 
-  void run(std::uint32_t root, std::span<const Pixel> pixels, std::uint16_t* sums) const {
+  void run(std::uint32_t root, std::span<Pixel> pixels) const {
     std::array<Walker, kWalkers> walkers;
     std::size_t active = std::min(kWalkers, pixels.size());
     for (std::size_t i = 0; i < active; ++i) walkers[i] = start(root, pixels, i);
@@ -114,7 +122,7 @@ class TreeWalk {
           ++i;
           continue;
         }
-        sums[walker.pixel] = static_cast<std::uint16_t>(sums[walker.pixel] + ~node.next);
+        pixels[walker.pixel].sum += ~node.next;
         if (next_pixel < pixels.size()) {
           walker = start(root, pixels, next_pixel++);
         } else {
@@ -151,7 +159,9 @@ PixelForest::PixelForest(Parts parts, const std::string& origin) : parts_(std::m
   }
 }
 
-Image<float> PixelForest::probability(const Image<float>& depth_mm, const Camera& camera) const {
+template <class Take>
+void PixelForest::sum_codes(const Image<float>& depth_mm, const Camera& camera, int least,
+                            const Take& take) const {
   if (depth_mm.width() != camera.width || depth_mm.height() != camera.height) {
     fail("pixel forest: the depth image is {} x {} pixels, its camera {} x {}", depth_mm.width(),
          depth_mm.height(), camera.width, camera.height);
@@ -160,20 +170,36 @@ Image<float> PixelForest::probability(const Image<float>& depth_mm, const Camera
   const std::vector<Pixel> pixels = measured_pixels(depth);
   const OffsetScale scale(camera);
   const TreeWalk walk(walk_.data(), depth, scale);
-  const float most = static_cast<float>(kMostCode * tree_count());
-  Image<float> probability(depth_mm.width(), depth_mm.height());
   const std::int64_t pieces = (std::ssize(pixels) + kPixelsAPiece - 1) / kPixelsAPiece;
   parallel_for(pieces, [&](std::int64_t piece) {
-    const auto first = static_cast<std::size_t>(piece * kPixelsAPiece);
-    const std::span<const Pixel> some = std::span(pixels).subspan(
-        first, std::min(static_cast<std::size_t>(kPixelsAPiece), pixels.size() - first));
-    std::array<std::uint16_t, kPixelsAPiece> sums{};
-    for (const std::uint32_t root : parts_.trees.roots) walk.run(root, some, sums.data());
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      probability.data()[some[i].index] = static_cast<float>(sums[i]) / most;
+    const auto begin = pixels.begin() + piece * kPixelsAPiece;
+    const auto end = pixels.begin() + std::min((piece + 1) * kPixelsAPiece, std::ssize(pixels));
+    std::vector<Pixel> undecided(begin, end);
+    int still_to_come = kMostCode * tree_count();
+    for (const std::uint32_t root : parts_.trees.roots) {
+      walk.run(root, undecided);
+      still_to_come -= kMostCode;
+      std::erase_if(undecided, [&](const Pixel& pixel) { return pixel.sum + still_to_come < least; });
     }
+    for (const Pixel& pixel : undecided) take(pixel.index, pixel.sum);
+  });
+}
+
+Image<float> PixelForest::probability(const Image<float>& depth_mm, const Camera& camera) const {
+  Image<float> probability(depth_mm.width(), depth_mm.height());
+  sum_codes(depth_mm, camera, 0, [&](std::int32_t pixel, int sum) {
+    probability.data()[pixel] = probability_of(sum, tree_count());
   });
   return probability;
+}
+
+Image<std::uint8_t> PixelForest::above(const Image<float>& depth_mm, const Camera& camera,
+                                       float threshold) const {
+  int least = 0;
+  while (least <= kMostCode * tree_count() && !(probability_of(least, tree_count()) > threshold)) ++least;
+  Image<std::uint8_t> mask(depth_mm.width(), depth_mm.height());
+  sum_codes(depth_mm, camera, least, [&](std::int32_t pixel, int /*sum*/) { mask.data()[pixel] = 1; });
+  return mask;
 }
 
 void write_forest(Hdf5File& file, const PixelForest& forest) {

@@ -39,7 +39,16 @@ class PixelForest {
   /// its camera.
   Image<float> probability(const Image<float>& depth_mm, const Camera& camera) const;
 
+  /// 1 where that probability is above `threshold`, else 0: the same answer in less time, since most pixels
+  /// need not see all trees. What is left of them cannot lift it above the threshold any more.
+  Image<std::uint8_t> above(const Image<float>& depth_mm, const Camera& camera, float threshold) const;
+
  private:
+  /// Sums of leaf codes over all trees, of each measured pixel for which it may reach `least`: calls
+  /// take(row * width + column, sum).
+  template <class Take>
+  void sum_codes(const Image<float>& depth_mm, const Camera& camera, int least, const Take& take) const;
+
   Parts parts_;
   std::vector<Node> walk_;  // the nodes, but a leaf leads to itself and keeps its code instead of a feature
 };

@@ -68,6 +68,19 @@ TEST(PixelForest, FlatWalkIsTheRecursiveWalkBitForBit) {
   expect_recursive_walk(forest, noise, {.width = 33, .height = 21, .fx = 600.0, .fy = 600.0});
 }
 
+TEST(PixelForest, DecidesEarlyButNotOtherwise) {
+  const PixelForest forest = small_forest();
+  const BallScene scene(60, 160, 120);
+  const Image<float> probability = forest.probability(scene.depth_mm, scene.camera);
+  // The values that occur, and one above all.
+  for (const float threshold : {0.0F, 0.3F, 1.0F / 3.0F, 0.5F, 2.0F / 3.0F, 0.8F, 0.99F, 1.0F}) {
+    const Image<std::uint8_t> mask = forest.above(scene.depth_mm, scene.camera, threshold);
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      ASSERT_EQ(mask.data()[i], probability.data()[i] > threshold ? 1 : 0) << threshold;
+    }
+  }
+}
+
 TEST(PixelForest, DoesNotDependOnThreads) {
   const PixelForest forest = small_forest();
   const BallScene scene(70, 160, 120);

@@ -18,6 +18,7 @@
 #include "knuckle/net/archive.h"
 #include "knuckle/net/network_file.h"
 #include "knuckle/net/network_validation.h"
+#include "knuckle/net/norm_statistics.h"
 #include "knuckle/net/sharded_network.h"
 #include "knuckle/net/torch_threads.h"
 
@@ -30,6 +31,8 @@ constexpr int kCheckpointVersion = 1;
 constexpr int64_t kMetricsColumns = 8;
 /// A young average forgets sooner: its decay is at most (1 + step) / (10 + step).
 constexpr double kAverageDelay = 10.0;
+/// Batches that the averaged network's norms are measured over.
+constexpr int kNormBatches = 40;
 
 torch::Device device_of(const std::string& name) {
   if (name == "cpu") return {torch::kCPU};
@@ -191,9 +194,8 @@ class Trainer {
 
   void validate(const BatchLoader& loader) {
     const torch::NoGradGuard no_gradient;
-    const std::vector<torch::Tensor> buffers = network_.buffers();
-    const std::vector<torch::Tensor> averaged = averaged_->buffers();
-    for (std::size_t i = 0; i < buffers.size(); ++i) averaged[i].copy_(buffers[i]);
+    const BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
+    measure_norm_statistics(*averaged_, plan, kNormBatches, device_);
 
     TrainingMetrics metrics;
     const double seconds = clock_.seconds();

@@ -2,21 +2,18 @@
 #include "knuckle/pipeline/run.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
-#include "knuckle/core/text.h"
 #include "knuckle/pipeline/stopwatch.h"
 
 namespace knuckle {
 namespace {
-
-constexpr std::string_view kBoxesHead = "frame,found,x,y,width,height,milliseconds";
 
 /// Calls `process(frame)` for every frame of the source and keeps what it returns, in the source's order.
 template <class Result, class Process>
@@ -36,19 +33,44 @@ void require_start(const FrameSource& source, Start start, std::string_view sour
   }
 }
 
-FrameSegmentation best_of(const Segmentation& segmentation, double milliseconds) {
-  if (segmentation.hands.empty()) return {false, {}, milliseconds};
-  return {true, segmentation.hands.front().box, milliseconds};
+/// Of the best hand, with the frame's true mask.
+FrameSegmentation::MaskOverlap mask_overlap(const Segmentation& segmentation,
+                                            const Image<std::uint8_t>& truth) {
+  FrameSegmentation::MaskOverlap overlap;
+  for (const std::uint8_t pixel : truth.pixels()) overlap.in_either += pixel != 0 ? 1 : 0;
+  if (segmentation.hands.empty()) return overlap;
+  const HandRegion& hand = segmentation.hands.front();
+  for (int row = 0; row < hand.box.height; ++row) {
+    for (int column = 0; column < hand.box.width; ++column) {
+      if (hand.mask(column, row) == 0) continue;
+      const bool is_true = truth(hand.box.x + column, hand.box.y + row) != 0;
+      ++(is_true ? overlap.in_both : overlap.in_either);
+    }
+  }
+  return overlap;
+}
+
+FrameSegmentation best_of(const Segmentation& segmentation, const Frame& frame, double milliseconds) {
+  FrameSegmentation best;
+  best.found = !segmentation.hands.empty();
+  best.milliseconds = milliseconds;
+  if (best.found) best.box = segmentation.hands.front().box;
+  if (!frame.mask.empty()) best.mask = mask_overlap(segmentation, frame.mask);
+  return best;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
 
 template <class Measure>
 double median_over(std::span<const FrameEstimate> frames, const Measure& measure) {
-  if (frames.empty()) return 0.0;
   std::vector<double> values;
   for (const FrameEstimate& frame : frames) values.push_back(measure(frame.times));
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return median_of(values);
 }
 
 }  // namespace
@@ -69,38 +91,49 @@ std::vector<FrameSegmentation> segment_all(const FrameSource& source, const Hand
   return process_all<FrameSegmentation>(source, "segment", [&](const Frame& frame) {
     const Stopwatch watch;
     const Segmentation segmentation = finder.find(frame, start_in(frame, start));
-    return best_of(segmentation, watch.milliseconds());
+    const double milliseconds = watch.milliseconds();
+    return best_of(segmentation, frame, milliseconds);
   });
 }
 
-std::string boxes_csv(std::span<const FrameSegmentation> frames) {
-  std::string csv = std::string(kBoxesHead) + "\n";
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto& [found, box, milliseconds] = frames[i];
-    csv += fmt::format("{},{},{},{},{},{},{:.3f}\n", i, found ? 1 : 0, box.x, box.y, box.width, box.height,
-                       milliseconds);
-  }
-  return csv;
+double FrameSegmentation::MaskOverlap::iou() const {
+  return in_either == 0 ? 1.0 : static_cast<double>(in_both) / static_cast<double>(in_either);
 }
 
-std::vector<FrameSegmentation> read_boxes_csv(const std::filesystem::path& path) {
-  const std::vector<std::string> lines = read_lines(path);
-  if (lines.empty() || lines.front() != kBoxesHead) {
-    fail("{}:1: expected the head '{}'", path.string(), kBoxesHead);
+std::string summary_json(std::span<const FrameSegmentation> frames, std::string_view source_name) {
+  std::vector<double> times;
+  std::vector<double> overlaps;
+  FrameSegmentation::MaskOverlap all;
+  for (const FrameSegmentation& frame : frames) {
+    times.push_back(frame.milliseconds);
+    if (!frame.mask) continue;
+    overlaps.push_back(frame.mask->iou());
+    all.in_both += frame.mask->in_both;
+    all.in_either += frame.mask->in_either;
   }
-  std::vector<FrameSegmentation> frames;
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    const std::string where = fmt::format("{}:{}", path.string(), i + 1);
-    const std::vector<double> values = parse_numbers(lines[i], where);
-    if (values.size() != 7) fail("{}: holds {} values, expected 7", where, values.size());
-    if (values[0] != static_cast<double>(frames.size())) {
-      fail("{}: is of frame {}, expected {}", where, values[0], frames.size());
-    }
-    const Box box{static_cast<int>(values[2]), static_cast<int>(values[3]), static_cast<int>(values[4]),
-                  static_cast<int>(values[5])};
-    frames.push_back({values[1] != 0.0, box, values[6]});
+  nlohmann::ordered_json summary;
+  summary["source"] = source_name;
+  summary["frames"] = frames.size();
+  summary["found"] = std::ranges::count_if(frames, &FrameSegmentation::found);
+  summary["median_ms"] = median_of(times);
+  if (!overlaps.empty()) {
+    const double sum = std::accumulate(overlaps.begin(), overlaps.end(), 0.0);
+    summary["mask"] = {{"frames", overlaps.size()},
+                       {"mean_iou", sum / static_cast<double>(overlaps.size())},
+                       {"median_iou", median_of(overlaps)},
+                       {"pixel_iou", all.iou()}};
   }
-  return frames;
+  return summary.dump(2) + "\n";
+}
+
+std::string boxes_csv(std::span<const FrameSegmentation> frames) {
+  std::string csv = "frame,found,x,y,width,height,milliseconds\n";
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Box& box = frames[i].box;
+    csv += fmt::format("{},{},{},{},{},{},{:.3f}\n", i, frames[i].found ? 1 : 0, box.x, box.y, box.width,
+                       box.height, frames[i].milliseconds);
+  }
+  return csv;
 }
 
 std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipeline& pipeline, Start start,

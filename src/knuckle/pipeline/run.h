@@ -29,6 +29,14 @@ struct FrameSegmentation {
   bool found = false;
   Box box;  ///< empty where nothing was found
   double milliseconds = 0.0;
+  /// Pixels in common with the true mask, and in either; nothing where the source has no masks.
+  struct MaskOverlap {
+    std::int64_t in_both = 0;
+    std::int64_t in_either = 0;
+    /// Intersection over union, [0, 1]; 1 where both are empty.
+    double iou() const;
+  };
+  std::optional<MaskOverlap> mask;
 };
 
 /// Segments all frames of a source on all threads. Throws an Error that names the source where it has no
@@ -38,9 +46,9 @@ std::vector<FrameSegmentation> segment_all(const FrameSource& source, const Hand
 
 /// CSV with the columns frame,found,x,y,width,height,milliseconds; frames count from 0.
 std::string boxes_csv(std::span<const FrameSegmentation> frames);
-/// Reads such a file back. Throws an Error that names file and line where it is not one, or a frame is left
-/// out.
-std::vector<FrameSegmentation> read_boxes_csv(const std::filesystem::path& path);
+/// Source, counts, median time and, where there are true masks, their pixel IoU: the mean and median of the
+/// frames, and that of all pixels together.
+std::string summary_json(std::span<const FrameSegmentation> frames, std::string_view source_name);
 
 /// Runs the pipeline on all frames of a source on all threads.
 std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipeline& pipeline, Start start,

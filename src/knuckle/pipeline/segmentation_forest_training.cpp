@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/box.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
@@ -44,6 +46,30 @@ std::vector<std::int64_t> drawn_frames(std::int64_t total, const PixelSamplingOp
   return frames;
 }
 
+/// Adds what lies within `radius_mm` of the true wrist to the mask.
+void add_wrist(Frame& frame, double radius_mm, const std::string& source) {
+  const int index = frame.truth ? frame.truth->convention.index_of(Landmark::wrist) : -1;
+  if (index < 0 || frame.truth->joints[static_cast<std::size_t>(index)].is_missing()) {
+    fail("{}: frame {} has no true wrist, which wrist_mm asks for", source, frame.name);
+  }
+  const Projection projection(frame.camera);
+  const ImagePoint& wrist = frame.truth->joints[static_cast<std::size_t>(index)];
+  const Point3 centre = projection.to_camera(wrist);
+  const double reach = radius_mm * projection.pixels_per_mm(std::max(1.0, centre.z() - radius_mm));
+  const Box image{0, 0, frame.camera.width, frame.camera.height};
+  const int side = static_cast<int>(2.0 * reach) + 3;
+  const Box around = intersection(image, {static_cast<int>(std::floor(wrist.u - reach)) - 1,
+                                          static_cast<int>(std::floor(wrist.v - reach)) - 1, side, side});
+  for (int row = around.y; row < around.bottom(); ++row) {
+    for (int column = around.x; column < around.right(); ++column) {
+      const float depth = frame.depth_mm(column, row);
+      if (!is_measured(depth)) continue;
+      const Point3 point = projection.to_camera({double(column), double(row), depth});
+      if ((point - centre).norm() < radius_mm) frame.mask(column, row) = 1;
+    }
+  }
+}
+
 std::vector<LabelledPixel> drawn_pixels(const Frame& frame, const PixelSamplingOptions& options,
                                         Random random) {
   std::vector<LabelledPixel> hand;
@@ -75,6 +101,7 @@ PixelSamples collect(const FrameSource& source, const std::vector<std::int64_t>&
     const std::int64_t number = frames[static_cast<std::size_t>(i)];
     Frame frame = source.read(number);
     if (frame.mask.empty()) fail("{}: frame {} has no mask to train on", config.source, frame.name);
+    if (config.pixels.wrist_mm > 0.0) add_wrist(frame, config.pixels.wrist_mm, config.source);
     if (config.hand.is_left()) frame = mirrored(frame);
     const Random random(derived_seed(config.pixels.seed, kPixelStreams), static_cast<std::uint64_t>(number));
     const std::vector<LabelledPixel> drawn = drawn_pixels(frame, config.pixels, random);
@@ -92,6 +119,7 @@ void PixelSamplingOptions::visit(OptionVisitor& visitor) {
   visitor.real("share", share, open_closed(0, 1));
   visitor.integer("hand_pixels", hand_pixels, closed(1, 1e5));
   visitor.integer("background_pixels", background_pixels, closed(1, 1e5));
+  visitor.real("wrist_mm", wrist_mm, closed(0, 200));
   visitor.seed("seed", seed);
 }
 

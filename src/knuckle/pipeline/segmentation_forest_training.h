@@ -15,6 +15,9 @@ struct PixelSamplingOptions {
   double share = 1.0;          ///< Part of the source's frames, drawn at random, (0, 1]; the paper's is 0.2
   int hand_pixels = 120;       ///< Drawn in each frame, without replacement (Tompson et al. 2014), [1, 10^5]
   int background_pixels = 60;  ///< Of those that were measured and are no hand, [1, 10^5]
+  /// Points that near to the true wrist count as hand, whatever the mask says: for sets whose masks reach
+  /// over the wrist; 0: the mask alone counts, [0, 200] [mm]
+  double wrist_mm = 0.0;
   std::uint64_t seed = 1;
 
   void visit(OptionVisitor& visitor);
@@ -45,7 +48,8 @@ struct SegmentationForestTraining {
 };
 
 /// Draws pixels of the frames and trains a forest on them. With a `checkpoint`, a training that was stopped
-/// goes on where it was. Throws an Error where a frame has no mask, no pixel of a class was found, or the
+/// goes on where it was. Throws an Error where a frame has no mask (or no wrist, where
+/// wrist_mm asks for one), no pixel of a class was found, or the
 /// samples outgrow [forest] memory_gb (it says how many frames would fit).
 SegmentationForestTraining run_training(const SegmentationForestTrainingConfig& config,
                                         const TrainingRun& run);

@@ -2,6 +2,7 @@
 #include "knuckle/segment/forest_segmenter.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -44,24 +45,36 @@ void clean(Image<std::uint8_t>& mask, const ForestSegmenterOptions& options) {
   if (options.opening_px > 1) cv::morphologyEx(view, view, cv::MORPH_OPEN, square(options.opening_px));
 }
 
-Image<std::uint8_t> hand_mask(const Image<float>& probability, const Image<float>& depth_mm,
+/// Whether the surface ends beside this pixel of the image: the neighbour's depth is much larger, or missing.
+bool is_at_edge(const Image<float>& depth_mm, int column, int row, float step_mm) {
+  const float bound = depth_mm(column, row) + step_mm;
+  constexpr std::array<std::pair<int, int>, 4> kNeighbours{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+  return std::ranges::any_of(kNeighbours, [&](const std::pair<int, int>& step) {
+    const int x = column + step.first;
+    const int y = row + step.second;
+    return depth_mm.contains(x, y) && !(is_measured(depth_mm(x, y)) && depth_mm(x, y) <= bound);
+  });
+}
+
+void trim_edges(Image<std::uint8_t>& mask, const Image<float>& depth_mm, double step_mm) {
+  for (int row = 0; row < mask.height(); ++row) {
+    for (int column = 0; column < mask.width(); ++column) {
+      std::uint8_t& pixel = mask(column, row);
+      if (pixel != 0 && is_at_edge(depth_mm, column, row, static_cast<float>(step_mm))) pixel = 0;
+    }
+  }
+}
+
+Image<std::uint8_t> hand_mask(const PixelForest& forest, const Frame& frame,
                               const ForestSegmenterOptions& options) {
-  Image<std::uint8_t> mask(probability.width(), probability.height());
-  const auto threshold = static_cast<float>(options.probability);
-  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = probability.data()[i] > threshold ? 1 : 0;
+  const Image<float>& depth_mm = frame.depth_mm;
+  Image<std::uint8_t> mask = forest.above(depth_mm, frame.camera, static_cast<float>(options.probability));
   clean(mask, options);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (!is_measured(depth_mm.data()[i])) mask.data()[i] = 0;
   }
+  if (options.edge_step_mm > 0.0) trim_edges(mask, depth_mm, options.edge_step_mm);
   return mask;
-}
-
-double expected_area(const PixelList& pixels, const Frame& frame, const Image<float>& probability) {
-  double area = 0.0;
-  for (const std::int32_t pixel : pixels) {
-    area += probability.data()[pixel] * pixel_area_mm2(frame.camera, frame.depth_mm.data()[pixel]);
-  }
-  return area;
 }
 
 double distance_to(const Point3& start, const PixelList& pixels, const RayTable& rays, const Frame& frame) {
@@ -79,6 +92,7 @@ void ForestSegmenterOptions::visit(OptionVisitor& visitor) {
   visitor.integer("median_px", median_px, closed(1, 31));
   visitor.integer("closing_px", closing_px, closed(1, 31));
   visitor.integer("opening_px", opening_px, closed(1, 31));
+  visitor.real("edge_step_mm", edge_step_mm, closed(0, 1000));
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
 }
 
@@ -98,14 +112,14 @@ Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Po
   result.reason = "no surface was measured in the frame";
   if (frame.depth_mm.empty()) return result;
   const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
-  const Image<float> probability = forest_.probability(frame.depth_mm, frame.camera);
 
   std::vector<std::pair<double, HandRegion>> found;  // with the distance from the start
-  for (const PixelList& pixels : components_of(hand_mask(probability, frame.depth_mm, options_))) {
-    if (area_mm2(pixels, frame.camera, frame.depth_mm) < options_.min_area_mm2) continue;
+  for (const PixelList& pixels : components_of(hand_mask(forest_, frame, options_))) {
+    const double area = area_mm2(pixels, frame.camera, frame.depth_mm);
+    if (area < options_.min_area_mm2) continue;
     HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
     region.centre = mean_point(pixels, *rays, frame.depth_mm);
-    region.score = expected_area(pixels, frame, probability);
+    region.score = area;
     const double distance = start ? std::max(distance_to(*start, pixels, *rays, frame), kAtStart) : 0.0;
     found.emplace_back(distance, std::move(region));
   }

@@ -129,6 +129,26 @@ TEST(ForestSegmenter, FiltersDoWhatTheirNamesSay) {
   EXPECT_EQ(box_with(1, 3, 1).width, 50);  // a gap that was not measured stays one
 }
 
+TEST(ForestSegmenter, TrimsTheEdgeWhereAsked) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  for (int row = 40; row < 200; ++row) {
+    for (int column = 40; column < 200; ++column) {
+      const bool is_near = column >= 60 && column < 140 && row >= 60 && row < 140;
+      frame.depth_mm(column, row) = is_near ? 500.0F : 530.0F;
+    }
+  }
+  const auto hand_with = [&](double step) {
+    return ForestSegmenter(trusting_forest(), {.edge_step_mm = step})
+        .segment(frame, std::nullopt)
+        .hands.at(0);
+  };
+  EXPECT_EQ(hand_with(0.0).box, (Box{40, 40, 160, 160}));
+  EXPECT_EQ(hand_with(40.0).box, (Box{41, 41, 158, 158}));  // only where nothing lies beside it
+  const HandRegion parted = hand_with(20.0);  // also the near square's, so the frame is one part
+  EXPECT_EQ(parted.mask(60 - parted.box.x, 100 - parted.box.y), 0);
+  EXPECT_EQ(parted.mask(59 - parted.box.x, 100 - parted.box.y), 1);
+}
+
 TEST(ForestSegmenter, RefusesEvenSizes) {
   EXPECT_THAT(error_of([] { ForestSegmenter(trusting_forest(), {.median_px = 4}); }),
               AllOf(HasSubstr("median_px is 4"), HasSubstr("odd")));

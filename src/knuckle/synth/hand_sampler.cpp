@@ -15,6 +15,10 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kThumbAngles = 5;
 constexpr int kAnglesAFinger = 4;
+/// Share of grasps in which the thing bends the thumb's end joint back.
+constexpr double kPressedThumb = 0.7;
+/// How far a DIP follows its PIP where the finger tip is pressed on a thing.
+constexpr double kPressedDip = 0.45;
 
 constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside", "loose_fist",
                                                      "small_cylinder", "thumb_up"};
@@ -123,37 +127,51 @@ HandAngles uniform_hand(Random& random) {
   return angles;
 }
 
-/// Around a thing: the thumb opposed, the palm hollow, the bend of the fingers changing evenly from index to
-/// little.
+/// Around a thing. Few things vary, as in real grasps (Santello, Flanders and Soechting, "Postural hand
+/// synergies for tool use", 1998: the MCPs bend together, so do the PIPs, and the first two components
+/// explain four fifths): how far the MCPs bend and how far the PIPs, each changing evenly from index to
+/// little; the index finger goes its own way more than the others. The thing presses on the finger tips: DIPs
+/// follow their PIPs by less than half, and the thumb's end joint may give way backwards. Fingers drift
+/// together to the little finger's side, as they do where a hand closes with force.
 HandAngles grasping_hand(Random& random) {
   const auto normal = [&](double mean_deg, double deviation_deg) {
     return (mean_deg + deviation_deg * random.normal()) * kDegree;
   };
   HandAngles angles;
-  angles[HandAngle::thumb_radial] = normal(20, 16);
-  angles[HandAngle::thumb_palmar] = normal(42, 12);
-  angles[HandAngle::thumb_twist] = normal(5, 16);
-  angles[HandAngle::thumb_mcp] = normal(8, 8);
-  angles[HandAngle::thumb_ip] = normal(8, 20);
-  const double mcp = random.uniform(0.0, 75.0);
-  const double mcp_slope = 7.0 * random.normal();
-  const double pip = random.uniform(5.0, 85.0);
-  const double pip_slope = 7.0 * random.normal();
-  const double fan = random.uniform(-4.0, 8.0);
+  angles[HandAngle::thumb_radial] = normal(20, 17);
+  angles[HandAngle::thumb_palmar] = normal(41, 10);
+  angles[HandAngle::thumb_twist] = normal(5, 18);
+  angles[HandAngle::thumb_mcp] = normal(12, 9);
+  angles[HandAngle::thumb_ip] = random.uniform() < kPressedThumb ? normal(-8, 14) : normal(35, 22);
+  const double mcp = random.uniform(5.0, 68.0);
+  const double mcp_slope = 4.0 * random.normal();
+  const double pip = random.uniform(5.0, 90.0);
+  const double pip_slope = 5.0 * random.normal();
+  const double dip = 12.0 + 8.0 * random.normal();
+  const double drift = 4.0 + 4.0 * random.normal();
+  const double fan = random.uniform(-2.0, 8.0);
+  constexpr std::array<double, 4> kOwnWay = {10.0, 4.0, 4.0, 6.0};
   for (int finger = 0; finger < 4; ++finger) {
     const FingerAngleNames names = angles_of_finger(finger);
-    angles[names.mcp] = normal(mcp + mcp_slope * (finger - 1.5), 6);
-    angles[names.pip] = normal(pip + pip_slope * (finger - 1.5), 7);
-    angles[names.dip] = coupled_dip(angles[names.pip]) + normal(0, 6);
-    angles[names.spread] = normal(finger == 1 ? 0.0 : fan * (finger == 3 ? 2.0 : 1.0), 3);
+    angles[names.mcp] = normal(mcp + mcp_slope * (finger - 1.5), kOwnWay[finger]);
+    angles[names.pip] = normal(pip + pip_slope * (finger - 1.5), 1.2 * kOwnWay[finger]);
+    angles[names.dip] = kPressedDip * angles[names.pip] + normal(dip, 5);
+    // Away from the middle finger is towards the thumb for index and middle, else towards the little finger.
+    const double away = finger == 0 ? fan : finger == 1 ? 0.0 : fan * (finger == 3 ? 1.5 : 0.5);
+    angles[names.spread] = normal(away + (finger <= 1 ? -drift : drift), 2.5);
   }
-  angles[HandAngle::palm_arch] = random.uniform(0.0, 25.0) * kDegree;
+  angles[HandAngle::palm_arch] = random.uniform(0.0, 22.0) * kDegree;
   return angles;
 }
 
 std::array<double, 6> shares_of(const HandPoseOptions& options) {
   return {options.gesture_share, options.pair_share,  options.mixed_share,
           options.closing_share, options.grasp_share, options.uniform_share};
+}
+
+HandAngles with_jitter(HandAngles angles, double jitter_deg, Random& random) {
+  for (double& angle : angles.radians) angle += jitter_deg * kDegree * random.normal();
+  return angles;
 }
 
 HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
@@ -163,13 +181,13 @@ HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
   while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
   switch (kind) {
     case 0:
-      return any_gesture(options, random);
+      return with_jitter(any_gesture(options, random), options.jitter_deg, random);
     case 1:
-      return between_gestures(options, random);
+      return with_jitter(between_gestures(options, random), options.jitter_deg, random);
     case 2:
-      return mixed_digits(options, random);
+      return with_jitter(mixed_digits(options, random), options.jitter_deg, random);
     case 3:
-      return closing_hand(options, random);
+      return with_jitter(closing_hand(options, random), options.jitter_deg, random);
     case 4:
       return grasping_hand(random);
     default:
@@ -218,9 +236,7 @@ void check(const HandPoseOptions& options, std::string_view what) {
 }
 
 HandAngles sampled_hand(const HandPoseOptions& options, Random& random) {
-  HandAngles angles = unlimited_hand(options, random);
-  for (double& angle : angles.radians) angle += options.jitter_deg * kDegree * random.normal();
-  return within_limits(angles);
+  return within_limits(unlimited_hand(options, random));
 }
 
 }  // namespace knuckle

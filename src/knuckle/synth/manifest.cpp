@@ -13,6 +13,7 @@ namespace knuckle {
 namespace {
 
 constexpr std::array<std::string_view, 3> kSides = {"right", "left", "both"};
+constexpr std::array<std::string_view, 2> kSkinnings = {"dual_quaternion", "linear"};
 constexpr std::array<std::string_view, 2> kModels = {"projective", "orthographic"};
 
 template <class... Options>
@@ -43,6 +44,7 @@ void PeopleOptions::visit(OptionVisitor& visitor) {
   visitor.integer("people", people, closed(1, 100000));
   visitor.real("bone_spread", bone_spread, closed(0, 0.2));
   visitor.choice("side", side, kSides);
+  visitor.choice("skinning", skinning, kSkinnings);
 }
 
 ManifestCamera::ManifestCamera()

@@ -20,6 +20,8 @@ struct PeopleOptions {
   double bone_spread = 0.05;  ///< deviation of each hand bone's length from its share, [0, 0.2]
 
   std::string side = "right";  ///< right | left | both: left hands are mirror images of right ones
+  std::string skinning =
+      "dual_quaternion";  ///< dual_quaternion | linear, as Blender's armatures do by default
 
   void visit(OptionVisitor& visitor);
 };

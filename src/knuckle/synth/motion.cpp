@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "knuckle/synth/gestures.h"
 #include "knuckle/synth/hand_collision.h"
 
 namespace knuckle {
@@ -54,6 +55,58 @@ Posture pose_of_motion(const BodyRig& rig, const Camera& camera, const PostureOp
   return {hand, first.posture.arm};
 }
 
+double penetration_mm(const BodyRig& rig, const HandAngles& hand) {
+  return worst_penetration_mm(rig.landmarks(rig.pose({hand, ArmAngles{}}, Eigen::Isometry3f::Identity())));
+}
+
+/// How hands that are in each other's way pass: half-way they are partly another, more open hand.
+struct Detour {
+  std::string_view gesture = "relaxed";
+  double share = 0.0;
+};
+constexpr std::array<Detour, 9> kDetours = {{{"relaxed", 0.0},
+                                             {"relaxed", 0.25},
+                                             {"relaxed", 0.5},
+                                             {"relaxed", 0.75},
+                                             {"relaxed", 1.0},
+                                             {"open", 0.25},
+                                             {"open", 0.5},
+                                             {"open", 0.75},
+                                             {"open", 1.0}}};
+
+/// From one hand to another, angle by angle.
+HandAngles on_path(const HandAngles& from, const HandAngles& to, const Detour& detour, double t) {
+  const double bump = 16.0 * t * t * (1.0 - t) * (1.0 - t);  // 1 half-way, smooth at both ends
+  return interpolated(interpolated(from, to, t), gesture_from_name(detour.gesture).angles,
+                      detour.share * bump);
+}
+
+/// The least detour on which the digits do not run into one another, or the best.
+Detour detour_of_path(const BodyRig& rig, const HandPoseOptions& options, const HandAngles& from,
+                      const HandAngles& to) {
+  constexpr int kChecks = 12;
+  Detour best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Detour& detour : kDetours) {
+    double worst = 0.0;
+    for (int check = 1; check < kChecks && worst < least; ++check) {
+      worst = std::max(worst, penetration_mm(rig, on_path(from, to, detour, double{1} / kChecks * check)));
+    }
+    if (worst < least) {
+      least = worst;
+      best = detour;
+    }
+    if (least <= options.penetration_mm) break;
+  }
+  return best;
+}
+
+/// Minimum jerk (Flash and Hogan, "The coordination of arm movements", 1985): from 0 to 1, at rest at both
+/// ends, with an acceleration that is continuous and never above 5.78.
+double minimum_jerk(double t) {
+  return t * t * t * (10.0 + t * (6.0 * t - 15.0));
+}
+
 PlacedPosture smooth_posture(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
                              std::uint64_t seed, std::int64_t index) {
   Random random(derived_seed(seed, kFirstScene));
@@ -61,12 +114,12 @@ PlacedPosture smooth_posture(const BodyRig& rig, const Camera& camera, const Pos
   placement.border_share = 0.0;
   const PlacedPosture first = sampled_placement(rig, HandAngles{}, camera, placement, random);
   const std::int64_t key = index / options.motion.frames_a_pose;
-  const double linear =
-      static_cast<double>(index % options.motion.frames_a_pose) / options.motion.frames_a_pose;
-  const double t = linear * linear * (3.0 - 2.0 * linear);
+  const double t =
+      minimum_jerk(static_cast<double>(index % options.motion.frames_a_pose) / options.motion.frames_a_pose);
   const Posture from = pose_of_motion(rig, camera, options, first, seed, key);
   const Posture to = pose_of_motion(rig, camera, options, first, seed, key + 1);
-  return {{interpolated(from.hand, to.hand, t), interpolated_arm(from.arm, to.arm, t)},
+  const Detour detour = detour_of_path(rig, options.hand, from.hand, to.hand);
+  return {{on_path(from.hand, to.hand, detour, t), interpolated_arm(from.arm, to.arm, t)},
           first.camera_from_body};
 }
 
@@ -83,8 +136,7 @@ HandAngles sampled_free_hand(const BodyRig& rig, const HandPoseOptions& options,
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kHandAttempts && least > options.penetration_mm; ++attempt) {
     const HandAngles hand = sampled_hand(options, random);
-    const BodyPose pose = rig.pose({hand, ArmAngles{}}, Eigen::Isometry3f::Identity());
-    const double penetration = worst_penetration_mm(rig.landmarks(pose));
+    const double penetration = penetration_mm(rig, hand);
     if (penetration < least) {
       least = penetration;
       best = hand;

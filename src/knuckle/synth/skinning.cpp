@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/skinning.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -36,6 +37,49 @@ Eigen::Vector3f skinned_vertex(const Eigen::Vector3f& rest, const std::array<std
   const Eigen::Vector4f moved =
       blended.col(0) * rest.x() + blended.col(1) * rest.y() + blended.col(2) * rest.z() + blended.col(3);
   return moved.head<3>();
+}
+
+/// A rigid motion: real part the turn, dual part half the shift times the turn; x, y, z, w each.
+struct DualQuaternion {
+  Eigen::Vector4f real;
+  Eigen::Vector4f dual;
+};
+
+std::vector<DualQuaternion> dual_quaternions(const std::vector<Eigen::Matrix4f>& transforms) {
+  std::vector<DualQuaternion> motions;
+  motions.reserve(transforms.size());
+  for (const Eigen::Matrix4f& transform : transforms) {
+    const Eigen::Matrix3f rotation = transform.topLeftCorner<3, 3>();
+    const Eigen::Vector3f shift = transform.topRightCorner<3, 1>();
+    const Eigen::Quaternionf turn = Eigen::Quaternionf(rotation).normalized();
+    const Eigen::Quaternionf product = Eigen::Quaternionf(0.0f, shift.x(), shift.y(), shift.z()) * turn;
+    motions.push_back({turn.coeffs(), 0.5f * product.coeffs()});
+  }
+  return motions;
+}
+
+/// A vertex by its blended motion (Kavan et al. 2008, algorithm 1). Quaternions q and -q are one turn: those
+/// are added that lie on the side of the strongest bone's.
+Eigen::Vector3f rigidly_skinned_vertex(const Eigen::Vector3f& rest, const std::array<std::int32_t, 4>& bones,
+                                       const std::array<float, 4>& weights,
+                                       const std::vector<DualQuaternion>& motions) {
+  const DualQuaternion& strongest = motions[bones[0]];
+  Eigen::Vector4f real = weights[0] * strongest.real;
+  Eigen::Vector4f dual = weights[0] * strongest.dual;
+  for (std::size_t k = 1; k < Body::kBonesAVertex; ++k) {
+    if (weights[k] == 0.0f) continue;
+    const DualQuaternion& motion = motions[bones[k]];
+    const float weight = motion.real.dot(strongest.real) < 0.0f ? -weights[k] : weights[k];
+    real += weight * motion.real;
+    dual += weight * motion.dual;
+  }
+  const float scale = 1.0f / real.norm();
+  real *= scale;
+  dual *= scale;
+  const Eigen::Vector3f axis = real.head<3>();
+  const Eigen::Vector3f moment = dual.head<3>();
+  const Eigen::Vector3f turned = rest + 2.0f * axis.cross(axis.cross(rest) + real.w() * rest);
+  return turned + 2.0f * (real.w() * moment - dual.w() * axis + axis.cross(moment));
 }
 
 }  // namespace
@@ -97,11 +141,17 @@ std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const Bod
   return transforms;
 }
 
-PosedBody posed_body(const ShapedBody& person, const BodyPose& pose) {
-  return posed_body(person, pose, person.vertices.size());
+std::size_t hand_vertices(const Body& body) {
+  return body.sections.empty() ? body.v_template.size()
+                               : static_cast<std::size_t>(body.sections.front().vertices);
 }
 
-PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count) {
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning) {
+  return posed_body(person, pose, person.vertices.size(), skinning);
+}
+
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count,
+                     Skinning skinning) {
   const Body& body = *person.body;
   if (vertex_count > person.vertices.size()) {
     fail("body pose: {} vertices asked for, the body has {}", vertex_count, person.vertices.size());
@@ -109,7 +159,16 @@ PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t
   const std::vector<Eigen::Matrix4f> transforms = bone_transforms(person, pose);
   PosedBody posed;
   posed.vertices.resize(vertex_count);
-  for (std::size_t i = 0; i < vertex_count; ++i) {
+  std::size_t first_linear = 0;
+  if (skinning == Skinning::dual_quaternion) {
+    first_linear = std::min(vertex_count, hand_vertices(body));
+    const std::vector<DualQuaternion> motions = dual_quaternions(transforms);
+    for (std::size_t i = 0; i < first_linear; ++i) {
+      posed.vertices[i] =
+          rigidly_skinned_vertex(person.vertices[i], body.weight_bones[i], body.weights[i], motions);
+    }
+  }
+  for (std::size_t i = first_linear; i < vertex_count; ++i) {
     posed.vertices[i] = skinned_vertex(person.vertices[i], body.weight_bones[i], body.weights[i], transforms);
   }
   for (int i = 0; i < kSupersetSize; ++i) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -46,10 +47,23 @@ struct PosedBody {
 /// pose has another number of bones or a rotation that is no unit quaternion.
 std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const BodyPose& pose);
 
-/// Linear blend skinning; landmarks move with their bones. Throws as `bone_transforms` does.
-PosedBody posed_body(const ShapedBody& person, const BodyPose& pose);
+/// How the skin follows several bones.
+enum class Skinning : std::uint8_t {
+  linear,           ///< the mean of their matrices; thins bent joints
+  dual_quaternion,  ///< the mean of their dual quaternions (Kavan et al., "Geometric skinning with
+                    ///< approximate dual quaternion blending", 2008), which is a rigid motion again
+};
+
+/// Skinning; landmarks move with their bones. Dual quaternions serve the hand, the first of the body's
+/// sections: the rest, where joints hardly bend or bend far from the hand, is always blended linearly. Throws
+/// as `bone_transforms` does.
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning = Skinning::linear);
 
 /// The same, of the first `vertex_count` vertices only: see Body::sections.
-PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count);
+PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count,
+                     Skinning skinning = Skinning::linear);
+
+/// Number of vertices at the beginning that dual quaternions serve: all of a body without sections.
+std::size_t hand_vertices(const Body& body);
 
 }  // namespace knuckle

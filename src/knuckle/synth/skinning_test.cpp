@@ -147,6 +147,41 @@ TEST(SkinningTest, FewerVerticesAreTheSameVertices) {
   EXPECT_EQ(some.landmarks, whole.landmarks);
 }
 
+TEST(SkinningTest, DualQuaternionsMoveAVertexOfOneBoneAsItsMatrixDoes) {
+  Body body = box_hand_body();
+  for (auto& weights : body.weights) weights = {1.0f, 0.0f, 0.0f, 0.0f};
+  const ShapedBody person = plain_person(body);
+  const BodyPose pose = random_pose(body, 6);
+  const PosedBody linear = posed_body(person, pose);
+  const PosedBody rigid = posed_body(person, pose, Skinning::dual_quaternion);
+  for (std::size_t i = 0; i < linear.vertices.size(); ++i) {
+    EXPECT_LT((rigid.vertices[i] - linear.vertices[i]).norm(), 5e-3f) << i;
+  }
+  EXPECT_EQ(rigid.landmarks, linear.landmarks);
+}
+
+TEST(SkinningTest, HalfOfABendIsHalfOfItsAngleAtTheSameDistance) {
+  const Body body = box_hand_body();
+  const ShapedBody person = plain_person(body);
+  const int bone = body.bone("finger3-2.R");
+  const Eigen::Vector3f joint = person.joints[bone];
+  BodyPose pose = rest_pose(body);
+  pose.rotations[bone] = Eigen::AngleAxisf(2.0f, Eigen::Vector3f::UnitX());
+  const PosedBody linear = posed_body(person, pose);
+  const PosedBody rigid = posed_body(person, pose, Skinning::dual_quaternion);
+  const Eigen::AngleAxisf half(1.0f, Eigen::Vector3f::UnitX());
+  int ring = 0;
+  for (std::size_t i = 0; i < person.vertices.size(); ++i) {
+    const bool is_shared = (body.weight_bones[i][0] == bone) != (body.weight_bones[i][1] == bone);
+    if (!is_shared || (person.vertices[i] - joint).norm() > 15.0f) continue;
+    ++ring;  // the corners of the tube at the joint: half on the bone, half on the one before
+    const Eigen::Vector3f expected = half * (person.vertices[i] - joint) + joint;
+    EXPECT_LT((rigid.vertices[i] - expected).norm(), kTolerance);
+    EXPECT_LT((linear.vertices[i] - joint).norm(), (expected - joint).norm() - 1.0f) << "linear thins";
+  }
+  EXPECT_GE(ring, 4);
+}
+
 TEST(SkinningTest, BadInputIsNamed) {
   const Body body = box_hand_body();
   const ShapedBody person = plain_person(body);

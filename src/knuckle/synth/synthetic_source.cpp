@@ -94,6 +94,7 @@ class SyntheticSource final : public FrameSource {
   SyntheticSource(const Manifest& manifest, std::shared_ptr<const Body> body)
       : manifest_(manifest),
         postures_{manifest.pose, manifest.placement, manifest.motion},
+        skinning_(manifest.body.skinning == "linear" ? Skinning::linear : Skinning::dual_quaternion),
         body_(body),
         people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {}
 
@@ -118,7 +119,8 @@ class SyntheticSource final : public FrameSource {
     const BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
     const BodySection seen =
         people_.culling(person).visible_section(bone_transforms(rig.person(), pose), camera);
-    const PosedBody posed = posed_body(rig.person(), pose, static_cast<std::size_t>(seen.vertices));
+    const PosedBody posed =
+        posed_body(rig.person(), pose, static_cast<std::size_t>(seen.vertices), skinning_);
     const TriangleMesh mesh{posed.vertices,
                             std::span(body_->faces).first(static_cast<std::size_t>(seen.faces))};
     const Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
@@ -177,6 +179,7 @@ class SyntheticSource final : public FrameSource {
 
   Manifest manifest_;
   PostureOptions postures_;
+  Skinning skinning_;
   std::shared_ptr<const Body> body_;
   People people_;
 };

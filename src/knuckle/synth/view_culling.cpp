@@ -40,45 +40,38 @@ std::array<Side, 5> sides_of_view(const Camera& camera) {
 ViewCulling::ViewCulling(const ShapedBody& person)
     : whole_{static_cast<std::int32_t>(person.vertices.size()),
              static_cast<std::int32_t>(person.body->faces.size())},
-      sections_(person.body->sections) {
+      limb_(whole_) {
   const Body& body = *person.body;
-  for (std::size_t s = 0; s + 1 < sections_.size(); ++s) {
-    std::map<std::int32_t, Eigen::AlignedBox3f> boxes;
-    for (std::int32_t f = sections_[s].faces; f < sections_[s + 1].faces; ++f) {
-      for (const std::int32_t vertex : body.faces[f]) {
-        for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
-          if (body.weights[vertex][k] > 0.0f) {
-            boxes[body.weight_bones[vertex][k]].extend(person.vertices[vertex]);
-          }
-        }
+  const std::size_t sections = body.sections.size();
+  if (sections < 2 || body.sections.back().faces != whole_.faces) return;
+  limb_ = body.sections[sections - 2];
+  std::map<std::int32_t, Eigen::AlignedBox3f> boxes;
+  for (std::int32_t f = limb_.faces; f < whole_.faces; ++f) {
+    for (const std::int32_t vertex : body.faces[f]) {
+      for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+        if (body.weights[vertex][k] > 0.0f)
+          boxes[body.weight_bones[vertex][k]].extend(person.vertices[vertex]);
       }
     }
-    beyond_.emplace_back();
-    for (const auto& [bone, box] : boxes) {
-      constexpr float kRounding = 0.1f;  // [mm]
-      beyond_.back().push_back({bone, box.center(), 0.5f * box.diagonal().norm() + kRounding});
-    }
+  }
+  constexpr float kRoundingMm = 0.1f;
+  for (const auto& [bone, box] : boxes) {
+    trunk_.push_back({bone, box.center(), 0.5f * box.diagonal().norm() + kRoundingMm});
   }
 }
 
 BodySection ViewCulling::visible_section(const std::vector<Eigen::Matrix4f>& transforms,
                                          const Camera& camera) const {
-  if (camera.is_distorted() || sections_.empty()) return whole_;
-  const auto sides = sides_of_view(camera);
-  // A vertex lies between the places that its bones give it, and a face between its vertices: what is on the
-  // outer side of one and the same plane with all of its balls cannot be seen.
-  const auto is_unseen = [&](const std::vector<Ball>& balls) {
-    return std::ranges::any_of(sides, [&](const Side& side) {
-      return std::ranges::all_of(balls, [&](const Ball& ball) {
-        const Eigen::Vector4f centre = transforms[ball.bone] * ball.centre.homogeneous();
-        return side.normal.dot(centre.head<3>()) + side.offset < -ball.radius;
-      });
+  if (camera.is_distorted() || trunk_.empty()) return whole_;
+  // A vertex lies between the places that its bones give it, and a face between its vertices: a trunk whose
+  // balls all lie on the outer side of one and the same plane cannot be seen.
+  const auto is_unseen = [&](const Side& side) {
+    return std::ranges::all_of(trunk_, [&](const Ball& ball) {
+      const Eigen::Vector4f centre = transforms[ball.bone] * ball.centre.homogeneous();
+      return side.normal.dot(centre.head<3>()) + side.offset < -ball.radius;
     });
   };
-  std::size_t section = sections_.size() - 1;
-  if (sections_.back().faces != whole_.faces) return whole_;
-  while (section > 0 && is_unseen(beyond_[section - 1])) --section;
-  return sections_[section];
+  return std::ranges::any_of(sides_of_view(camera), is_unseen) ? limb_ : whole_;
 }
 
 }  // namespace knuckle

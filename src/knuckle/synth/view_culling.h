@@ -8,8 +8,9 @@
 
 namespace knuckle {
 
-/// Says how much of one person has to be skinned and drawn: the smallest of the body's sections beyond which
-/// nothing can be seen. The picture is the same as that of the whole body.
+/// Says how much of one person has to be skinned and drawn: what only the last of the body's sections has
+/// (the trunk, not hand and arm) is left out where it cannot be seen. The picture is the same as that of the
+/// whole body.
 class ViewCulling {
  public:
   explicit ViewCulling(const ShapedBody& person);
@@ -19,7 +20,7 @@ class ViewCulling {
   BodySection visible_section(const std::vector<Eigen::Matrix4f>& transforms, const Camera& camera) const;
 
  private:
-  /// All vertices between two sections that one bone moves lie in it, at rest.
+  /// All vertices of the trunk's faces that one bone moves lie in it, at rest.
   struct Ball {
     std::int32_t bone;
     Eigen::Vector3f centre;
@@ -27,8 +28,8 @@ class ViewCulling {
   };
 
   BodySection whole_;
-  std::vector<BodySection> sections_;
-  std::vector<std::vector<Ball>> beyond_;  ///< one a section: balls of what it leaves out, up to the next
+  BodySection limb_;         ///< all sections but the last
+  std::vector<Ball> trunk_;  ///< balls of what the last section adds; empty where it cannot be left out
 };
 
 }  // namespace knuckle

@@ -11,9 +11,9 @@
 namespace knuckle {
 namespace {
 
-/// Renders postures whole and culled; returns how many sections could be left out in all.
-int culled_sections(const Body& body, const std::vector<double>& coefficients, const Camera& camera,
-                    int frames) {
+/// Renders postures whole and culled; returns in how many the trunk could be left out.
+int trunkless_frames(const Body& body, const std::vector<double>& coefficients, const Camera& camera,
+                     int frames) {
   const ShapedBody person = shaped_body(body, coefficients);
   const BodyRig rig(person);
   const ViewCulling culling(person);
@@ -27,8 +27,9 @@ int culled_sections(const Body& body, const std::vector<double>& coefficients, c
     const BodySection section = culling.visible_section(bone_transforms(person, pose), camera);
     if (section.faces == static_cast<std::int32_t>(body.faces.size())) continue;
     ++culled;
-    const PosedBody whole = posed_body(person, pose);
-    const PosedBody part = posed_body(person, pose, static_cast<std::size_t>(section.vertices));
+    const PosedBody whole = posed_body(person, pose, Skinning::dual_quaternion);
+    const PosedBody part =
+        posed_body(person, pose, static_cast<std::size_t>(section.vertices), Skinning::dual_quaternion);
     const Rendering expected = render({whole.vertices, body.faces}, camera);
     const Rendering rendering =
         render({part.vertices, std::span(body.faces).first(static_cast<std::size_t>(section.faces))}, camera);
@@ -43,10 +44,10 @@ TEST(ViewCulling, LeavesOutOnlyWhatIsNotSeen) {
   const Body body = makehuman_body(makehuman_folder());
   const std::vector<double> shape = shape_coefficients(body, PersonShape{});
   Camera camera{.width = 80, .height = 60, .fx = 140, .fy = 140, .cx = 39.5, .cy = 29.5};  // a narrow view
-  EXPECT_GT(culled_sections(body, shape, camera, 150), 5);
+  EXPECT_GT(trunkless_frames(body, shape, camera, 150), 5);
   camera.fx = camera.fy = 0.25;
   camera.model = CameraModel::orthographic;
-  EXPECT_GT(culled_sections(body, shape, camera, 150), 0);
+  EXPECT_GT(trunkless_frames(body, shape, camera, 150), 0);
 }
 
 TEST(ViewCulling, ADistortedCameraSeesTheWholeBody) {
