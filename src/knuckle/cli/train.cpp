@@ -122,9 +122,10 @@ void train_network(const NetworkArguments& arguments) {
                            print_metrics(metrics.back());
                            write_text_file(out.string() + ".metrics.csv", metrics_csv(metrics));
                          }};
+  write_resolved_options(out,
+                         config.resolved_options);  // first: a folder that cannot be written to ends it here
   const Stopwatch watch;
   const NetworkTrainingResult result = run_network_training(config, run);
-  write_resolved_options(out, config.resolved_options);
   if (result.metrics.size() > 1) write_curves(out, result.metrics);
   fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
              result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,

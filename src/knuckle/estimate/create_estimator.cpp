@@ -44,6 +44,11 @@ std::unique_ptr<Estimator> load_network_estimator(const std::filesystem::path& m
 constexpr std::array kMethods{
     Method{"forest", load_forest},
     Method{"dense", load_network_estimator},
+    Method{"heatmap2d", load_network_estimator},
+    Method{"heatmap25d", load_network_estimator},
+    Method{"regression", load_network_estimator},
+    Method{"pca", load_network_estimator},
+    Method{"autoencoder", load_network_estimator},
 };
 
 constexpr auto kNames = [] {

@@ -16,7 +16,8 @@ struct NetworkEstimatorOptions {
   void visit(OptionVisitor& visitor) { visitor.integer("passes", passes, closed(1, 5)); }
 };
 
-/// Pose by a convolutional network. The confidence of a joint says how well the pixels' votes agree.
+/// Pose by a convolutional network. The confidence of a joint says how well the pixels' votes agree
+/// (`dense`), or how high the heat map's peak is; direct regression gives none.
 class NetworkEstimator final : public Estimator {
  public:
   /// Throws an Error where an option is out of range.

@@ -8,11 +8,6 @@
 
 namespace knuckle {
 
-std::string first_line(const c10::Error& error) {
-  const std::string text = error.what_without_backtrace();
-  return text.substr(0, text.find('\n'));
-}
-
 ArchiveWriter::ArchiveWriter(std::string_view format, int version) {
   write("format", std::string(format));
   write("version", version);
@@ -40,11 +35,7 @@ void ArchiveWriter::write(const std::string& name, torch::serialize::OutputArchi
 
 void ArchiveWriter::save(const std::filesystem::path& path) {
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    try {
-      archive_.save_to(temporary.string());
-    } catch (const c10::Error& error) {
-      fail("{}: cannot write: {}", path.string(), first_line(error));
-    }
+    with_clear_errors(path.string() + ": cannot write", [&] { archive_.save_to(temporary.string()); });
   });
 }
 
@@ -68,12 +59,10 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& path, std::string_view
 
 c10::IValue ArchiveReader::value(const std::string& name) {
   c10::IValue value;
-  try {
-    if (archive_.try_read(name, value)) return value;
-  } catch (const c10::Error& error) {
-    fail("{}: {}: {}", path_, name, first_line(error));
-  }
-  fail("{}: {} is missing", path_, name);
+  const bool is_there =
+      with_clear_errors(path_ + ": " + name, [&] { return archive_.try_read(name, value); });
+  if (!is_there) fail("{}: {} is missing", path_, name);
+  return value;
 }
 
 std::string ArchiveReader::text(const std::string& name) {
@@ -90,7 +79,8 @@ double ArchiveReader::number(const std::string& name) {
 
 torch::serialize::InputArchive ArchiveReader::part(const std::string& name) {
   torch::serialize::InputArchive part;
-  if (!archive_.try_read(name, part)) fail("{}: {} is missing", path_, name);
+  const bool is_there = with_clear_errors(path_ + ": " + name, [&] { return archive_.try_read(name, part); });
+  if (!is_there) fail("{}: {} is missing", path_, name);
   return part;
 }
 

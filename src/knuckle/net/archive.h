@@ -10,10 +10,9 @@
 
 #include <torch/serialize.h>
 
-namespace knuckle {
+#include "knuckle/net/torch_errors.h"
 
-/// LibTorch's messages run over many lines; the first one says what is wrong.
-std::string first_line(const c10::Error& error);
+namespace knuckle {
 
 /// A LibTorch archive with Knuckle's errors: named texts, numbers and lists of tensors, written atomically.
 class ArchiveWriter {

@@ -64,7 +64,7 @@ TrainingBatch BatchPlan::batch(std::int64_t number) {
 }
 
 BatchLoader::BatchLoader(BatchPlan plan, std::int64_t first, std::int64_t end)
-    : plan_(std::move(plan)), thread_([this, first, end] { work(first, end); }) {}
+    : plan_(std::move(plan)), left_(end - first), thread_([this, first, end] { work(first, end); }) {}
 
 BatchLoader::~BatchLoader() {
   const std::lock_guard lock(mutex_);
@@ -90,6 +90,7 @@ void BatchLoader::work(std::int64_t first, std::int64_t end) {
 }
 
 TrainingBatch BatchLoader::next() {
+  if (left_ <= 0) fail("training: there is no batch left");
   const auto start = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !ready_.empty() || fault_; });
@@ -97,6 +98,7 @@ TrainingBatch BatchLoader::next() {
   if (ready_.empty()) std::rethrow_exception(fault_);
   TrainingBatch batch = std::move(ready_.front());
   ready_.pop_front();
+  --left_;
   changed_.notify_all();
   return batch;
 }

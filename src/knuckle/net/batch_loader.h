@@ -47,7 +47,7 @@ class BatchLoader {
   BatchLoader(const BatchLoader&) = delete;
   BatchLoader& operator=(const BatchLoader&) = delete;
 
-  /// The next batch. Throws what making it threw.
+  /// The next batch. Throws what making it threw, and where none is left.
   TrainingBatch next();
   /// How long `next` has waited in all [s].
   double waited_seconds() const { return waited_seconds_; }
@@ -60,6 +60,7 @@ class BatchLoader {
   std::condition_variable changed_;
   std::deque<TrainingBatch> ready_;
   std::exception_ptr fault_;
+  std::int64_t left_;  // batches that `next` has not returned
   bool stop_ = false;
   double waited_seconds_ = 0.0;
   std::jthread thread_;

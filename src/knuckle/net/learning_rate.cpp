@@ -31,7 +31,8 @@ double learning_rate_at(const LearningRateOptions& options, double progress) {
     return options.learning_rate * (options.final_share + (1.0 - options.final_share) * wave);
   }
   if (options.schedule == "step") {
-    return options.learning_rate * std::pow(options.step_factor, std::floor(rest * (options.rate_steps + 1)));
+    const double steps = std::floor(rest * (options.rate_steps + 1));
+    return options.learning_rate * std::pow(options.step_factor, std::min<double>(steps, options.rate_steps));
   }
   return options.learning_rate;
 }

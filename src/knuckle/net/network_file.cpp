@@ -32,7 +32,7 @@ LoadedNetwork load_network(const std::filesystem::path& path) {
   ArchiveReader archive(path, kFormat, kVersion);
   LoadedNetwork loaded;
   loaded.options = network_options_from_toml(archive.text("options"), path.string());
-  loaded.network = make_network(loaded.options, 0);
+  loaded.network = with_clear_errors(path.string(), [&] { return make_network(loaded.options, 0); });
   archive.copy_into("parameters", loaded.network->parameters());
   archive.copy_into("buffers", loaded.network->buffers());
   loaded.network->eval();

@@ -2,6 +2,7 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include <torch/nn/module.h>
@@ -14,7 +15,7 @@ namespace knuckle {
 /// What a network says about a batch of patches.
 struct NetworkAnswer {
   torch::Tensor joints;      ///< N x J x 3: u, v, d in patch coordinates
-  torch::Tensor confidence;  ///< N x J, in [0, 1]
+  torch::Tensor confidence;  ///< N x J, in [0, 1]; undefined where the architecture gives none
 };
 
 /// An architecture with its weights, its loss, and the way from its output to joints.
@@ -27,6 +28,8 @@ class NetworkModule : public torch::nn::Module {
   virtual torch::Tensor loss(const torch::Tensor& output, const torch::Tensor& patches,
                              const torch::Tensor& joints) = 0;
   virtual NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) = 0;
+  /// Names the random numbers that the next `forward` in training draws, where the architecture draws any.
+  virtual void seed_dropout(std::uint64_t /*seed*/) {}
   /// Merges batch norms into the convolutions before them: the same answer, sooner. For inference only.
   virtual void fold_norms() {}
 

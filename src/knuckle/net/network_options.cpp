@@ -6,8 +6,11 @@
 namespace knuckle {
 namespace {
 
-constexpr std::array<std::string_view, 1> kArchitectures = {"dense"};
-constexpr int kDenseStride = 16;  // of the coarsest features
+constexpr std::array<std::string_view, 6> kArchitectures = {"dense",      "heatmap2d", "heatmap25d",
+                                                            "regression", "pca",       "autoencoder"};
+constexpr std::array<std::string_view, 2> kPeaks = {"gaussian", "mean_shift"};
+constexpr int kStride = 16;              // of the coarsest features, in all architectures
+constexpr int kSmallestPaperPatch = 32;  // on which the smallest bank still has a pixel left
 
 }  // namespace
 
@@ -26,20 +29,40 @@ void DenseNetworkOptions::visit(OptionVisitor& visitor) {
   visitor.real("dense_weight", dense_weight, closed(0, 100));
 }
 
+void PaperNetworkOptions::visit(OptionVisitor& visitor) {
+  visitor.integer("first_maps", first_maps, closed(1, 1024));
+  visitor.integer("second_maps", second_maps, closed(1, 1024));
+  visitor.integer("hidden_units", hidden_units, closed(1, 65536));
+  visitor.integer("subspace_units", subspace_units, closed(1, 65536));
+  visitor.real("dropout", dropout, closed_open(0, 1));
+  visitor.integer("map_cells", map_cells, closed(4, 256));
+  visitor.integer("depth_bins", depth_bins, closed(3, 1024));
+  visitor.real("peak_deviation", peak_deviation, closed(0.5, 10));
+  visitor.choice("peak", peak, kPeaks);
+}
+
 void NetworkOptions::visit(OptionVisitor& visitor) {
   visitor.choice("architecture", architecture, kArchitectures);
   visitor.text("convention", convention);
-  dense.visit(visitor);
+  if (architecture == "dense") {
+    dense.visit(visitor);
+  } else {
+    paper.visit(visitor);
+  }
 }
 
 void check(const NetworkOptions& options, std::string_view what) {
   check_options(options, what);
   check_options(options.patch, what);
   convention_from_name(options.convention);
-  if (!options.patch.is_cube()) fail("{}: the network \"dense\" sees patches of the mode \"cube\"", what);
-  if (options.patch.size_px % kDenseStride != 0) {
-    fail("{}: size_px is {}, expected a multiple of {} for the network \"dense\"", what,
-         options.patch.size_px, kDenseStride);
+  const int size = options.patch.size_px;
+  if (!options.patch.is_cube()) {
+    fail("{}: the network \"{}\" sees patches of the mode \"cube\"", what, options.architecture);
+  }
+  const int smallest = options.architecture == "dense" ? kStride : kSmallestPaperPatch;
+  if (size % kStride != 0 || size < smallest) {
+    fail("{}: size_px is {}, expected a multiple of {}, at least {}, for the network \"{}\"", what, size,
+         kStride, smallest, options.architecture);
   }
 }
 

@@ -29,14 +29,31 @@ struct DenseNetworkOptions {
   void visit(OptionVisitor& visitor);
 };
 
+/// The paper's five networks (Riegler et al. 2015, section 4): three banks of convolutions on the patch, a
+/// half and a quarter of it, as in Tompson et al. 2014, then fully connected layers.
+struct PaperNetworkOptions {
+  int first_maps = 16;            ///< of a bank's first convolution, [1, 1024]
+  int second_maps = 32;           ///< of its second, [1, 1024]
+  int hidden_units = 4096;        ///< of each hidden fully connected layer, [1, 65536]
+  int subspace_units = 20;        ///< of the bottleneck of `pca` and `autoencoder`, [1, 65536]
+  double dropout = 0.5;           ///< share of the hidden units that is left out in training, [0, 1)
+  int map_cells = 18;             ///< width and height of a heat map, [4, 256]
+  int depth_bins = 25;            ///< of a joint in `heatmap25d`, [3, 1024]
+  double peak_deviation = 1.0;    ///< of the targets' Gaussians, [0.5, 10] [cells]
+  std::string peak = "gaussian";  ///< gaussian | mean_shift: how a map's peak is found
+
+  void visit(OptionVisitor& visitor);
+};
+
 /// A network and what it sees and predicts: all that is needed to build it.
 struct NetworkOptions {
-  std::string architecture = "dense";
+  std::string architecture = "dense";    ///< dense | heatmap2d | heatmap25d | regression | pca | autoencoder
   std::string convention = "knuckle22";  ///< landmarks that it predicts
   PatchOptions patch{.size_px = 96, .mode = "cube", .cube_mm = 250.0};
-  DenseNetworkOptions dense;
+  DenseNetworkOptions dense;  ///< of the architecture "dense" alone
+  PaperNetworkOptions paper;  ///< of the five others
 
-  /// The `[network]` table: all but the patch.
+  /// The `[network]` table: all but the patch, and only what the architecture reads.
   void visit(OptionVisitor& visitor);
   int joint_count() const { return convention_from_name(convention).size(); }
 };

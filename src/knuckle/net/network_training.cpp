@@ -130,7 +130,7 @@ class Trainer {
     if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) load_checkpoint();
     const std::int64_t end =
         run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
-    if (step_ >= end) return metrics_;
+    if (step_ >= end || has_run_out_of_patience()) return metrics_;
     BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
     BatchLoader loader(std::move(plan), step_, end);
     Progress shown("train", "samples", (end - step_) * options_.batch_size);
@@ -165,13 +165,15 @@ class Trainer {
     TrainingBatch batch = loader.next();
     const double rate = learning_rate_at(options_.learning_rate, progress());
     for (auto& group : optimiser_->param_groups()) group.options().set_lr(rate);
-    const double loss = network_.backward(batch);
+    const double loss =
+        network_.backward(batch, derived_seed(options_.seed, static_cast<std::uint64_t>(step_)));
     const double norm = clip_gradient(network_.parameters(), options_.gradient_clip);
     if (!std::isfinite(loss) || !std::isfinite(norm)) {
-      fail(
-          "training: the loss is {} and the gradient's norm {} at step {}; {} keeps the state before: try a "
-          "smaller learning_rate",
-          loss, norm, step_, run_.checkpoint.string());
+      const std::string kept = metrics_.empty() ? std::string("nothing was written yet")
+                                                : fmt::format("{} keeps the state of step {}",
+                                                              run_.checkpoint.string(), metrics_.back().step);
+      fail("training: the loss is {} and the gradient's norm {} at step {}, try a smaller learning_rate; {}",
+           loss, norm, step_, kept);
     }
     optimiser_->step();
     ++step_;
@@ -215,6 +217,7 @@ class Trainer {
   }
 
   bool is_best(const TrainingMetrics& metrics) const {
+    if (!std::isfinite(metrics.validation.second_mm)) return false;
     return std::ranges::all_of(metrics_, [&](const TrainingMetrics& before) {
       return !(before.validation.second_mm <= metrics.validation.second_mm);
     });
@@ -262,7 +265,7 @@ class Trainer {
     if (metrics.size() != 1) fail("{}: the metrics are missing", run_.checkpoint.string());
     metrics_ = metrics_of(metrics.front());
     torch::serialize::InputArchive optimiser = archive.part("optimiser");
-    optimiser_->load(optimiser);
+    with_clear_errors(run_.checkpoint.string(), [&] { optimiser_->load(optimiser); });
     step_ = static_cast<std::int64_t>(archive.number("step"));
   }
 
@@ -328,11 +331,8 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");
   use_calling_thread_alone();
-  try {
-    return Trainer(network, options, augmentation, training, validation, run).train();
-  } catch (const c10::Error& error) {
-    fail("training: {}", first_line(error));
-  }
+  return with_clear_errors(
+      "training", [&] { return Trainer(network, options, augmentation, training, validation, run).train(); });
 }
 
 }  // namespace knuckle

@@ -67,13 +67,13 @@ class Chunk {
  private:
   CubeSample sample(int64_t i) const { return samples_.sample(first_ + i); }
 
+  /// A joint that is not known does not count; one that is predicted as NaN makes the sum NaN.
   void add_error(ErrorSum& sum, int64_t i, std::size_t j, const std::vector<float>& truth) const {
+    if (!std::isfinite(truth[j] + truth[j + 1] + truth[j + 2])) return;
     const float* const found = predicted_.data() + static_cast<std::size_t>(i) * truth.size() + j;
     const Point3 at = viewer_.in_camera(sample(i), views_[i], std::span<const float, 3>(found, 3));
     const Point3 is = viewer_.in_camera(sample(i), views_[i], std::span<const float, 3>(truth.data() + j, 3));
-    const double error = (at - is).norm();
-    if (!std::isfinite(error)) return;
-    sum.mm += error;
+    sum.mm += (at - is).norm();
     ++sum.joints;
   }
 

@@ -25,7 +25,9 @@ torch::Tensor patches_of(TrainingBatch& batch, int64_t size, const torch::Device
 void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches,
                              const torch::Device& device) {
   const torch::NoGradGuard no_gradient;
-  for (torch::nn::BatchNorm2dImpl* norm : norms_of(network)) {
+  const std::vector<torch::nn::BatchNorm2dImpl*> norms = norms_of(network);
+  if (norms.empty()) return;
+  for (torch::nn::BatchNorm2dImpl* norm : norms) {
     norm->reset_running_stats();
     norm->options.momentum().reset();  // the mean over all batches, not a moving one
   }

@@ -7,9 +7,29 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/net/network_file.h"
+#include "knuckle/net/torch_errors.h"
 #include "knuckle/net/torch_threads.h"
 
 namespace knuckle {
+
+namespace {
+
+/// The answer on a batch of one patch.
+NetworkPrediction as_prediction(const NetworkAnswer& answer) {
+  const torch::Tensor joints = answer.joints.contiguous();
+  NetworkPrediction prediction;
+  for (int64_t i = 0; i < joints.size(1); ++i) {
+    const float* const joint = joints.data_ptr<float>() + 3 * i;
+    prediction.joints.push_back({joint[0], joint[1], joint[2]});
+  }
+  if (!answer.confidence.defined()) return prediction;
+  const torch::Tensor confidence = answer.confidence.contiguous();
+  const float* const values = confidence.data_ptr<float>();
+  prediction.confidence.assign(values, values + confidence.numel());
+  return prediction;
+}
+
+}  // namespace
 
 struct PoseNetwork::State {
   NetworkOptions options;
@@ -19,9 +39,20 @@ struct PoseNetwork::State {
 PoseNetwork::PoseNetwork(const std::filesystem::path& path) {
   use_calling_thread_alone();
   LoadedNetwork loaded = load_network(path);
-  loaded.network->fold_norms();
-  for (const torch::Tensor& parameter : loaded.network->parameters()) parameter.set_requires_grad(false);
   state_ = std::make_unique<State>(State{std::move(loaded.options), std::move(loaded.network)});
+  make_ready();
+}
+
+PoseNetwork::PoseNetwork(const NetworkOptions& options, std::uint64_t seed)
+    : state_(std::make_unique<State>(State{options, make_network(options, seed)})) {
+  make_ready();
+}
+
+void PoseNetwork::make_ready() {
+  NetworkModule& network = *state_->network;
+  network.eval();
+  network.fold_norms();
+  for (const torch::Tensor& parameter : network.parameters()) parameter.set_requires_grad(false);
 }
 
 PoseNetwork::PoseNetwork(PoseNetwork&&) noexcept = default;
@@ -44,17 +75,10 @@ NetworkPrediction PoseNetwork::predict(const Image<float>& patch) const {
   const c10::InferenceMode inference;
   const torch::Tensor input =
       torch::from_blob(const_cast<float*>(patch.data()), {1, 1, size, size});  // read only
-  NetworkModule& network = *state_->network;
-  const NetworkAnswer answer = network.decode(network.forward(input), input);
-  const torch::Tensor joints = answer.joints.contiguous();
-  const torch::Tensor confidence = answer.confidence.contiguous();
-  NetworkPrediction prediction;
-  for (int64_t i = 0; i < joints.size(1); ++i) {
-    const float* const joint = joints.data_ptr<float>() + 3 * i;
-    prediction.joints.push_back({joint[0], joint[1], joint[2]});
-    prediction.confidence.push_back(confidence.data_ptr<float>()[i]);
-  }
-  return prediction;
+  return with_clear_errors("network", [&] {
+    NetworkModule& network = *state_->network;
+    return as_prediction(network.decode(network.forward(input), input));
+  });
 }
 
 }  // namespace knuckle

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -13,7 +14,7 @@ namespace knuckle {
 /// What a network says about one patch.
 struct NetworkPrediction {
   std::vector<PatchPoint> joints;  ///< one a landmark of the convention
-  std::vector<float> confidence;   ///< one a joint, in [0, 1]
+  std::vector<float> confidence;   ///< one a joint, in [0, 1]; or empty where the network gives none
 };
 
 /// A trained network, for inference on the calling thread.
@@ -21,6 +22,9 @@ class PoseNetwork {
  public:
   /// Throws an Error that names the file where it is missing, cut short, foreign, or of another version.
   explicit PoseNetwork(const std::filesystem::path& path);
+  /// One that has learned nothing, with random weights: for measurements and tests. Throws an Error where an
+  /// option is out of range.
+  PoseNetwork(const NetworkOptions& options, std::uint64_t seed);
   PoseNetwork(PoseNetwork&&) noexcept;
   PoseNetwork& operator=(PoseNetwork&&) noexcept;
   ~PoseNetwork();
@@ -31,6 +35,8 @@ class PoseNetwork {
   NetworkPrediction predict(const Image<float>& patch) const;
 
  private:
+  void make_ready();
+
   struct State;
   std::unique_ptr<State> state_;
 };

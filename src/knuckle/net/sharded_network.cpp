@@ -23,10 +23,11 @@ ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed
   }
 }
 
-double ShardedNetwork::backward(TrainingBatch& batch) {
+double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
   std::vector<double> losses(shards_.size());
   parallel_for(std::ssize(shards_), [&](std::int64_t i) {
     const auto shard = static_cast<std::size_t>(i);
+    shards_[shard]->seed_dropout(derived_seed(seed, shard));
     losses[shard] = backward_shard(batch, shard);
   });
   sum_gradients();

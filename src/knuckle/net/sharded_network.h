@@ -18,9 +18,9 @@ class ShardedNetwork {
  public:
   ShardedNetwork(const NetworkOptions& options, std::uint64_t seed, int shards, const torch::Device& device);
 
-  /// The mean loss of a batch. Behind it the gradients of `parameters()` are those of the mean loss, summed
-  /// in the order of the shards.
-  double backward(TrainingBatch& batch);
+  /// The mean loss of a batch; `seed` names the random numbers of its dropout. Behind it the gradients of
+  /// `parameters()` are those of the mean loss, summed in the order of the shards.
+  double backward(TrainingBatch& batch, std::uint64_t seed);
 
   std::vector<torch::Tensor> parameters() const { return shards_.front()->parameters(); }
   std::vector<torch::Tensor> buffers() const { return shards_.front()->buffers(); }

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Networks, from training to poses, and their faults, through the real program.
+#include "program.h"
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/image_io.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+const std::string kSources =
+    "source = 'synthetic:{0}?count=12'\nvalidation = 'synthetic:{0}?first=12&count=4'\n";
+const std::string kSmall =
+    "start = 'truth'\n[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n"
+    "[network]\nconvention = 'icg20'\n";
+const std::string kDense =
+    "architecture = 'dense'\nstem_channels = 4\nquarter_channels = 8\neighth_channels = 8\n"
+    "sixteenth_channels = 8\nhead_channels = 8\n";
+const std::string kTraining = "[training]\nepochs = 2\nbatch_size = 4\nshards = 2\nvalidate_every = 2\n";
+
+class NetworkTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_ / name; }
+
+  std::string sources() const {
+    return fmt::format(fmt::runtime(kSources), std::filesystem::absolute("manifests/demo.toml").string());
+  }
+  std::string config() const { return sources() + kSmall + kDense + kTraining; }
+
+  ProgramRun train(const std::string& toml, const std::vector<std::string>& more = {},
+                   const std::string& out = "") {
+    write_text_file(path("train.toml"), toml);
+    std::vector<std::string> arguments = {
+        "train", "network", "--config", path("train.toml"), "--out", out.empty() ? path("net.pt") : out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+
+  ProgramRun estimate(const std::string& toml) {
+    write_text_file(path("pipeline.toml"), toml);
+    return run_program({"estimate", "--source", "synthetic:manifests/demo.toml?count=3", "--pipeline",
+                        path("pipeline.toml"), "--out", path("poses.txt")});
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(NetworkTest, IsTrainedAndFindsPoses) {
+  ASSERT_THAT(train(config()), Succeeded());
+  EXPECT_THAT(entries_of(folder_.path()),
+              AllOf(Contains("net.pt"), Contains("net.pt.checkpoint"), Contains("net.pt.metrics.csv"),
+                    Contains("net.pt.options.toml"), Contains("net_curves.svg")));
+  EXPECT_THAT(read_lines(path("net.pt.metrics.csv")), SizeIs(4))
+      << "a heading and three validations of 6 steps";
+  ASSERT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\npasses = 1\n"), Succeeded());
+  const std::vector<std::string> lines = read_lines(path("poses.txt"));
+  EXPECT_THAT(lines, AllOf(SizeIs(4), Contains(HasSubstr("# convention: icg20"))));
+  EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\npasses = 3\n"), Succeeded());
+  EXPECT_NE(read_lines(path("poses.txt")), lines) << "more looks see more";
+  EXPECT_THAT(estimate("[patch]\nmode = 'hand'\n[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\n"),
+              FailedWith("pipeline.toml:2: patch.mode"));
+  EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\npasses = 0\n"),
+              FailedWith("pipeline.toml:4: estimator.passes"));
+  EXPECT_THAT(estimate("[estimator]\nmethod = 'pca'\nmodel = 'net.pt'\n"),
+              FailedWith("net.pt is a network \"dense\""));
+
+  const std::string bytes = read_text_file(path("net.pt"));
+  write_text_file(path("net.pt"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\n"), FailedWith("net.pt"));
+  EXPECT_THAT(train(config(), {"--resume"}), Succeeded()) << "all is in the checkpoint";
+  EXPECT_THAT(train(config() + "seed = 7\n", {"--resume"}), FailedWith("net.pt.checkpoint"));
+  std::filesystem::remove(path("net.pt.checkpoint"));
+  EXPECT_THAT(train(config(), {"--resume"}), FailedWith("net.pt.checkpoint"));
+}
+
+TEST_F(NetworkTest, AWrongConfigurationEndsItInOneLine) {
+  const auto fault = [&](const std::string& toml, const std::string& part) {
+    EXPECT_THAT(train(toml), FailedWith(part)) << toml;
+  };
+  fault("", "source: is missing");
+  fault(sources() + kSmall + "architecture = 'magic'\n", "train.toml:10: network.architecture");
+  fault(sources() + kSmall + "architecture = 'dense'\nhidden_units = 3\n",
+        "train.toml:11: network.hidden_units");
+  fault(sources() + "[patch]\nmode = 'cube'\nsize_px = 40\n", "size_px is 40");
+  fault(sources() + "[patch]\nmode = 'hand'\n", "cube");
+  fault(config() + "batchsize = 2\n", "training.batchsize: unknown key");
+  fault(config() + "shards = 3\n", "train.toml");
+  fault(sources() + kSmall + kDense + "[training]\nbatch_size = 4\nshards = 3\n", "a multiple of shards");
+  fault(sources() + kSmall + kDense + "[samples]\n", "train.toml");
+  fault(sources() + "[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 16\n", "crops of 16 px");
+  fault(sources() + "[patch]\nmode = 'cube'\n[samples]\nmemory_gb = 0.0001\n", "memory_gb");
+  fault(sources() + "[patch]\nmode = 'cube'\n[augmentation]\nrotation_deg = 999\n", "rotation_deg");
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains("net.pt")));
+}
+
+TEST_F(NetworkTest, ASourceWithoutTruthADeviceThatIsNotThereAndAnOutputThatCannotBeWritten) {
+  make_folder(path("set/depth"));
+  write_text_file(
+      path("set/dataset.toml"),
+      "[camera]\nmodel = 'projective'\nwidth = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 32\ncy = 24\n");
+  write_png(path("set/depth/000000.png"), Image<std::uint16_t>(64, 48));
+  EXPECT_THAT(train("source = 'folder:set'\nvalidation = 'folder:set'\n" + kSmall + kDense),
+              FailedWith("no truth"));
+  EXPECT_THAT(train(config(), {"--device", "abacus"}), FailedWith("abacus"));
+  EXPECT_THAT(train(config(), {}, "/proc/knuckle/net.pt"), FailedWith("/proc/knuckle/net.pt"));
+  const ProgramRun cuda = train(config(), {"--device", "cuda"});
+  if (cuda.status != 0) {
+    EXPECT_THAT(cuda, FailedWith("device cuda"));
+  }
+}
+
+}  // namespace
+}  // namespace knuckle::testing
