@@ -59,7 +59,7 @@ TEST_F(MotionTest, TheWristIsSmoothUnderDualQuaternions) {
       }
     }
   }
-  EXPECT_LT(worst, 3.0);
+  EXPECT_LT(worst, 1.0);
 }
 
 TEST_F(MotionTest, SampledHandsDoNotRunIntoThemselves) {

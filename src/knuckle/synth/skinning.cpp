@@ -82,6 +82,42 @@ Eigen::Vector3f rigidly_skinned_vertex(const Eigen::Vector3f& rest, const std::a
   return turned + 2.0f * (real.w() * moment - dual.w() * axis + axis.cross(moment));
 }
 
+/// Number of vertices at the beginning that may belong to the hand.
+std::size_t hand_vertices(const Body& body) {
+  return body.sections.empty() ? body.v_template.size()
+                               : static_cast<std::size_t>(body.sections.front().vertices);
+}
+
+/// 1 for the bone that carries the wrist and those beyond it, else 0.
+std::vector<float> hand_bones(const Body& body) {
+  std::vector<float> is_hand(body.parents.size(), 0.0f);
+  const auto wrist = static_cast<std::size_t>(body.landmark_bones[static_cast<std::size_t>(Landmark::wrist)]);
+  for (std::size_t i = wrist; i < is_hand.size(); ++i) {
+    const std::int32_t parent = body.parents[i];
+    is_hand[i] = i == wrist || (parent >= 0 && is_hand[parent] == 1.0f) ? 1.0f : 0.0f;
+  }
+  return is_hand;
+}
+
+/// Poses the hand's vertices again, by dual quaternions: wholly where hand bones alone move the skin, not at
+/// all where they have half of it or less.
+void repose_hand(std::vector<Eigen::Vector3f>& vertices, const ShapedBody& person,
+                 const std::vector<Eigen::Matrix4f>& transforms) {
+  const Body& body = *person.body;
+  const std::vector<float> is_hand = hand_bones(body);
+  const std::vector<DualQuaternion> motions = dual_quaternions(transforms);
+  for (std::size_t i = 0; i < std::min(vertices.size(), hand_vertices(body)); ++i) {
+    const auto& bones = body.weight_bones[i];
+    const auto& weights = body.weights[i];
+    if (weights[0] == 1.0f) continue;
+    float share = 0.0f;
+    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) share += weights[k] * is_hand[bones[k]];
+    const float part = std::clamp(2.0f * share - 1.0f, 0.0f, 1.0f);
+    if (part == 0.0f) continue;
+    vertices[i] += part * (rigidly_skinned_vertex(person.vertices[i], bones, weights, motions) - vertices[i]);
+  }
+}
+
 }  // namespace
 
 Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices) {
@@ -141,11 +177,6 @@ std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const Bod
   return transforms;
 }
 
-std::size_t hand_vertices(const Body& body) {
-  return body.sections.empty() ? body.v_template.size()
-                               : static_cast<std::size_t>(body.sections.front().vertices);
-}
-
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning) {
   return posed_body(person, pose, person.vertices.size(), skinning);
 }
@@ -159,18 +190,10 @@ PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t
   const std::vector<Eigen::Matrix4f> transforms = bone_transforms(person, pose);
   PosedBody posed;
   posed.vertices.resize(vertex_count);
-  std::size_t first_linear = 0;
-  if (skinning == Skinning::dual_quaternion) {
-    first_linear = std::min(vertex_count, hand_vertices(body));
-    const std::vector<DualQuaternion> motions = dual_quaternions(transforms);
-    for (std::size_t i = 0; i < first_linear; ++i) {
-      posed.vertices[i] =
-          rigidly_skinned_vertex(person.vertices[i], body.weight_bones[i], body.weights[i], motions);
-    }
-  }
-  for (std::size_t i = first_linear; i < vertex_count; ++i) {
+  for (std::size_t i = 0; i < vertex_count; ++i) {
     posed.vertices[i] = skinned_vertex(person.vertices[i], body.weight_bones[i], body.weights[i], transforms);
   }
+  if (skinning == Skinning::dual_quaternion) repose_hand(posed.vertices, person, transforms);
   for (int i = 0; i < kSupersetSize; ++i) {
     const Eigen::Matrix4f& transform = transforms[body.landmark_bones[i]];
     posed.landmarks[i] = (transform * person.landmarks[i].homogeneous()).head<3>().cast<double>();

@@ -55,15 +55,12 @@ enum class Skinning : std::uint8_t {
 };
 
 /// Skinning; landmarks move with their bones. Dual quaternions serve the hand, the first of the body's
-/// sections: the rest, where joints hardly bend or bend far from the hand, is always blended linearly. Throws
-/// as `bone_transforms` does.
+/// sections, and fade into linear blending where the wrist's skin follows the forearm. Throws as
+/// `bone_transforms` does.
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, Skinning skinning = Skinning::linear);
 
 /// The same, of the first `vertex_count` vertices only: see Body::sections.
 PosedBody posed_body(const ShapedBody& person, const BodyPose& pose, std::size_t vertex_count,
                      Skinning skinning = Skinning::linear);
-
-/// Number of vertices at the beginning that dual quaternions serve: all of a body without sections.
-std::size_t hand_vertices(const Body& body);
 
 }  // namespace knuckle

@@ -149,7 +149,7 @@ TEST(SkinningTest, FewerVerticesAreTheSameVertices) {
 
 TEST(SkinningTest, DualQuaternionsMoveAVertexOfOneBoneAsItsMatrixDoes) {
   Body body = box_hand_body();
-  for (auto& weights : body.weights) weights = {1.0f, 0.0f, 0.0f, 0.0f};
+  for (auto& bones : body.weight_bones) bones[1] = bones[0];  // half and half of the same
   const ShapedBody person = plain_person(body);
   const BodyPose pose = random_pose(body, 6);
   const PosedBody linear = posed_body(person, pose);
