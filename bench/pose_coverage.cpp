@@ -146,7 +146,7 @@ Coverage coverage_of(const std::string& name, const std::vector<HandJoints>& rea
 
 double quantile(std::vector<double> values, double share) {
   std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 void print(const Coverage& coverage) {

@@ -183,7 +183,7 @@ TEST_F(VerbsTest, EstimatesAreEvaluatedAgainstTheirSource) {
               Succeeded());
   const auto lines = read_lines(path("poses.txt"));
   ASSERT_EQ(lines.size(), 7u);
-  EXPECT_EQ(lines[0], "# convention: icg20");
+  EXPECT_EQ(lines[0], "# convention: knuckle22");
   const auto summary = nlohmann::json::parse(read_text_file(path("summary.json")));
   EXPECT_EQ(summary["frames"], 6);
   EXPECT_EQ(summary["found"], 6);

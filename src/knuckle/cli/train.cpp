@@ -24,7 +24,7 @@ struct TrainArguments {
 
 /// Where a training keeps what is done. A fresh one starts without what an earlier one left.
 std::filesystem::path checkpoint_of(const TrainArguments& arguments) {
-  const std::filesystem::path checkpoint = arguments.out.string() + ".checkpoint";
+  std::filesystem::path checkpoint = arguments.out.string() + ".checkpoint";
   if (!arguments.resume) remove_checkpoint(checkpoint);
   return checkpoint;
 }
