@@ -4,6 +4,7 @@
 //
 //     knuckle_pose_coverage ../shared/data/poses/fpha_joints_mm_21x3.f32 --out docs/images
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
