@@ -148,7 +148,8 @@ TEST_P(PaperNetworks, LearnASmallSetByHeart) {
   const CubeSamples samples = testing::made_up_samples(8);
   const auto metrics = train_network(network, options, testing::no_augmentation(), samples, samples,
                                      testing::run_in(folder.path(), "net"));
-  // Depth that is looked up is that of the surface, as it was stored. Two linear layers in a row learn slowly.
+  // Depth that is looked up is that of the surface, as it was stored. Two linear layers in a row learn
+  // slowly.
   EXPECT_LT(metrics.back().validation.first_mm, GetParam().architecture == "pca" ? 5.0 : 1.5);
 }
 
