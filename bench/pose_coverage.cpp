@@ -163,13 +163,13 @@ void draw(const std::vector<Coverage>& coverages, const std::filesystem::path& f
   figure.name = "coverage";
   figure.title = "Real hands within reach of the sampler";
   figure.x_label = "mean joint distance to the nearest sample [mm]";
-  figure.y_label = "share of real poses";
+  figure.y_label = "share of real poses [%]";
   for (double mm = 0.0; mm <= 16.0; mm += 0.1) figure.x.push_back(mm);
   for (const Coverage& coverage : coverages) {
     Series series{coverage.name, {}};
     for (const double mm : figure.x) {
       const auto within = std::ranges::count_if(coverage.distances_mm, [&](double d) { return d <= mm; });
-      series.values.push_back(static_cast<double>(within) /
+      series.values.push_back(100.0 * static_cast<double>(within) /
                               static_cast<double>(coverage.distances_mm.size()));
     }
     figure.series.push_back(std::move(series));
