@@ -84,9 +84,9 @@ TEST_F(NetworkTest, AWrongConfigurationEndsItInOneLine) {
     EXPECT_THAT(train(toml), FailedWith(part)) << toml;
   };
   fault("", "source: is missing");
-  fault(sources() + kSmall + "architecture = 'magic'\n", "train.toml:10: network.architecture");
+  fault(sources() + kSmall + "architecture = 'magic'\n", "train.toml:11: network.architecture");
   fault(sources() + kSmall + "architecture = 'dense'\nhidden_units = 3\n",
-        "train.toml:11: network.hidden_units");
+        "train.toml:12: network.hidden_units");
   fault(sources() + "[patch]\nmode = 'cube'\nsize_px = 40\n", "size_px is 40");
   fault(sources() + "[patch]\nmode = 'hand'\n", "cube");
   fault(config() + "batchsize = 2\n", "training.batchsize: unknown key");
