@@ -135,7 +135,7 @@ class Experiment {
         inputs.add_content(method.name, poses_file(options_.out, sequence, method));
       }
     }
-    const std::filesystem::path page = options_.out / "report.html";
+    std::filesystem::path page = options_.out / "report.html";
     run_step(page, inputs, [&] { write_experiment_report(plan_, sources, options_.out); });
     return page;
   }
