@@ -17,7 +17,7 @@ DepthTiles::DepthTiles(const Image<float>& depth_mm) : width_(depth_mm.width()),
     fail("depth image of {} x {} pixels: too large to train a forest on", width_, height_);
   }
   tiles_a_row_ = columns + 2;
-  tiles_.resize(static_cast<std::size_t>(tiles_a_row_ * (rows + 2)));
+  tiles_.resize(static_cast<std::size_t>(tiles_a_row_) * (rows + 2));
   pixels_.assign(kPixels, kFarDepth);
   for (int top = 0; top < rows; ++top) {
     for (int left = 0; left < columns; ++left) {
@@ -27,12 +27,12 @@ DepthTiles::DepthTiles(const Image<float>& depth_mm) : width_(depth_mm.width()),
       for (int y = 0; y < std::min(kSide, height_ - top * kSide); ++y) {
         for (int x = 0; x < std::min(kSide, width_ - left * kSide); ++x) {
           const std::int16_t depth = stored_depth(depth_mm(left * kSide + x, top * kSide + y));
-          tile[static_cast<std::size_t>(y * kSide + x)] = depth;
+          tile[static_cast<std::size_t>(y) * kSide + x] = depth;
           is_empty = is_empty && depth == kFarDepth;
         }
       }
       if (is_empty) continue;
-      tiles_[static_cast<std::size_t>((top + 1) * tiles_a_row_ + left + 1)] =
+      tiles_[static_cast<std::size_t>(top + 1) * tiles_a_row_ + left + 1] =
           static_cast<std::uint16_t>(pixels_.size() / kPixels);
       pixels_.insert(pixels_.end(), tile.begin(), tile.end());
     }

@@ -100,7 +100,7 @@ std::uint32_t next_node(const Node& node, const Walker& walker, const Ground& gr
 class TreeWalk {
  public:
   TreeWalk(const Node* nodes, const BorderedDepth& depth, const OffsetScale& scale)
-      : nodes_(nodes), depth_(depth), scale_(scale) {
+      : nodes_(nodes), scale_(scale) {
     ground_.depth = depth.data();
     ground_.stride = depth.stride();
     ground_.lowest = Int32x4{-1, -1, -1, -1};
@@ -144,7 +144,6 @@ class TreeWalk {
   }
 
   const Node* nodes_;
-  const BorderedDepth& depth_;
   const OffsetScale& scale_;
   Ground ground_;
 };
@@ -155,7 +154,9 @@ PixelForest::PixelForest(Parts parts, const std::string& origin) : parts_(std::m
   check_parts(parts_, origin);
   walk_ = parts_.trees.nodes;
   for (Node& node : walk_) {
-    if (node.next < 0) node.next = ~std::int32_t{parts_.leaf_codes[static_cast<std::size_t>(~node.next)]};
+    if (node.next >= 0) continue;
+    const std::int32_t leaf = ~node.next;
+    node.next = ~std::int32_t{parts_.leaf_codes[static_cast<std::size_t>(leaf)]};
   }
 }
 

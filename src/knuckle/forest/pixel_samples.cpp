@@ -16,7 +16,7 @@ namespace knuckle {
 PixelSamples::PixelSamples(std::int64_t images) : images_(static_cast<std::size_t>(images)) {}
 
 std::size_t PixelSamples::DepthImage::bytes() const {
-  return depth.bytes() + sizeof(scale) + sizeof(pixels) + pixels.capacity() * sizeof(LabelledPixel);
+  return depth.bytes() + sizeof(scale) + sizeof(decltype(pixels)) + pixels.capacity() * sizeof(LabelledPixel);
 }
 
 std::size_t PixelSamples::set(std::int64_t index, const Image<float>& depth_mm, const Camera& camera,
