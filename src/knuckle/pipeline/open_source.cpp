@@ -42,7 +42,7 @@ bool names_a_source(std::string_view text) {
 }
 
 std::string source_in(const OptionTable& document, std::string_view key) {
-  const std::string text = document.required_text(key);
+  std::string text = document.required_text(key);
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) return text;  // the opener says what is wrong with it
   return text.substr(0, colon + 1) + document.resolved_path(text.substr(colon + 1)).string();
