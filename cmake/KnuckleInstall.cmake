@@ -3,13 +3,15 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME knuckle)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/knuckle)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/knuckle)
 
 list(TRANSFORM KNUCKLE_MODULES PREPEND knuckle_ OUTPUT_VARIABLE libraries)
 install(TARGETS ${libraries} EXPORT knuckleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS knuckle knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
 install(DIRECTORY src/knuckle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h"
         PATTERN "*testing*" EXCLUDE PATTERN "*fixtures*" EXCLUDE PATTERN "cli" EXCLUDE PATTERN "training" EXCLUDE)
 install(DIRECTORY experiments models pipelines manifests DESTINATION ${data_folder})
@@ -28,6 +30,13 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
+set(CPACK_DEBIAN_KNUCKLE_PACKAGE_RECOMMENDS gnuplot-nox)
+# Only who trains networks needs LibTorch: a package of its own.
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL knuckle training)
+set(CPACK_DEBIAN_KNUCKLE_PACKAGE_NAME knuckle)
+set(CPACK_DEBIAN_KNUCKLE_PACKAGE_SUGGESTS knuckle-training)
+set(CPACK_DEBIAN_TRAINING_PACKAGE_NAME knuckle-training)
+set(CPACK_DEBIAN_TRAINING_PACKAGE_DEPENDS "knuckle (= ${PROJECT_VERSION})")
 set(CPACK_STRIP_FILES ON)
 include(CPack)

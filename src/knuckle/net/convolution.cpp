@@ -62,7 +62,7 @@ void convolve_pixels(const Window& window, const float* weights, const float* bi
     for (int v = 0; v < kVectors; ++v) {
       Float8 value = sums[p][v];
       if (target.added != nullptr) value += load8(target.added + p * target.added_stride + v * kLanes);
-      if (target.activation == Activation::relu) value = larger8(value, Float8{});
+      if (target.activation == Activation::relu) value = larger8(Float8{}, value);
       store8(target.output + p * target.output_stride + v * kLanes, value);
     }
   }

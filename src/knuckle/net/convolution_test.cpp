@@ -103,7 +103,7 @@ TEST_P(Convolutions, AreTheDefinitions) {
   convolution.apply(input, linear, Activation::linear);
   convolution.apply(input, rectified, Activation::relu);
   convolution.apply(input, sum, Activation::relu, &sum);
-  const double tolerance = 1e-6 * std::sqrt(static_cast<double>(weight_count()) / shape.outputs) + 1e-6;
+  const double tolerance = 3e-6 * std::sqrt(static_cast<double>(weight_count()) / shape.outputs) + 1e-6;
   for (int row = 0; row < size; ++row) {
     for (int column = 0; column < size; ++column) {
       for (int o = 0; o < shape.outputs; ++o) {

@@ -42,6 +42,7 @@ inline Float8 all8(float value) {
   return Float8{value, value, value, value, value, value, value, value};
 }
 
+/// The larger number; `b` where one is NaN.
 inline Float8 larger8(Float8 a, Float8 b) {
   return a > b ? a : b;
 }

@@ -58,7 +58,7 @@ std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) cons
       }
     }
     for (int v = 0; v < kVectors; ++v) {
-      if (activation_ == Activation::relu) sums[v] = larger8(sums[v], Float8{});
+      if (activation_ == Activation::relu) sums[v] = larger8(Float8{}, sums[v]);
       store8(output.data() + first + v * kLanes, sums[v]);
     }
   }

@@ -2,6 +2,7 @@
 #include "knuckle/net/network_file.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
@@ -16,6 +17,8 @@ using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::small_network;
+using testing::write_network;
+using testing::write_zip;
 using testing::ZipRecords;
 
 class NetworkFile : public ::testing::Test {
