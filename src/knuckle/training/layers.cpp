@@ -28,7 +28,7 @@ ConvolutionUnit::ConvolutionUnit(const Shape& shape, Activation activation)
 }
 
 torch::Tensor ConvolutionUnit::forward(const torch::Tensor& input) {
-  const torch::Tensor result = norm_->forward(convolution_->forward(input));
+  torch::Tensor result = norm_->forward(convolution_->forward(input));
   return activation_ == Activation::relu ? torch::relu_(result) : result;
 }
 
