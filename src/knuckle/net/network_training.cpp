@@ -127,7 +127,11 @@ class Trainer {
   }
 
   std::vector<TrainingMetrics> train() {
-    if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) load_checkpoint();
+    if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) {
+      load_checkpoint();
+    } else if (!run_.initial.empty()) {
+      load_initial();
+    }
     const std::int64_t end =
         run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
     if (step_ >= end || has_run_out_of_patience()) return metrics_;
@@ -234,7 +238,26 @@ class Trainer {
   std::string identity() const {
     return network_options_as_toml(network_options_) + "[training]\n" + options_as_toml(options_) +
            "[augmentation]\n" + options_as_toml(augmentation_) +
-           fmt::format("[data]\nsamples = {}\n", training_.size());
+           fmt::format("[data]\nsamples = {}\ninitial = \"{}\"\n", training_.size(),
+                       run_.initial.filename().string());
+  }
+
+  /// Begins with another training's weights: for more samples, or the user's own.
+  void load_initial() {
+    const torch::NoGradGuard no_gradient;
+    const LoadedNetwork initial = load_network(run_.initial);
+    if (network_options_as_toml(initial.options) != network_options_as_toml(network_options_)) {
+      fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
+           run_.initial.string());
+    }
+    const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
+    };
+    copy(initial.network->parameters(), network_.parameters());
+    copy(initial.network->buffers(), network_.buffers());
+    network_.share_buffers();
+    copy(initial.network->parameters(), averaged_->parameters());
+    copy(initial.network->buffers(), averaged_->buffers());
   }
 
   void save_checkpoint() {
