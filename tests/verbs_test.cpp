@@ -30,6 +30,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"render"},
                                                {"train", "pose-forest"},
                                                {"train", "segmentation-forest"},
+                                               {"prune"},
                                                {"segment"},
                                                {"estimate"},
                                                {"evaluate"},
@@ -238,6 +239,22 @@ TEST_F(VerbsTest, ASourceWithoutTruthGivesAReportOfPictures) {
   EXPECT_THAT(run_program({"evaluate", "--truth", source + "?count=1", "--predictions", predictions, "--out",
                            path("other")}),
               FailedWith("poses.txt"));
+}
+
+TEST_F(VerbsTest, APrunedForestIsSmallerAndEstimates) {
+  ASSERT_THAT(run_program({"prune", "--model", "models/pose_forest.h5", "--leaves", "2000", "--out",
+                           path("small.h5")}),
+              Succeeded());
+  EXPECT_LT(std::filesystem::file_size(path("small.h5")),
+            std::filesystem::file_size("models/pose_forest.h5") / 4);
+  write_text_file(path("small.toml"),
+                  "[patch]\nsize_px = 96\n[estimator]\nmethod = \"forest\"\nmodel = \"small.h5\"\n");
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("small.toml"), "--out",
+                           path("poses.txt")}),
+              Succeeded());
+  EXPECT_THAT(run_program({"prune", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.h5")}),
+              FailedWith("models/dense.pt"));
+  EXPECT_FALSE(std::filesystem::exists(path("b.h5")));
 }
 
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {

@@ -116,6 +116,14 @@ PoseForestModel load_pose_forest(const std::filesystem::path& path) {
   return model;
 }
 
+PoseForestModel pruned(const PoseForestModel& model, std::size_t most_leaves) {
+  std::vector<float> scale;
+  for (std::size_t i = 0; i < model.convention.landmarks.size(); ++i) {
+    scale.insert(scale.end(), {1.0F, 1.0F, static_cast<float>(kDepthWeight)});
+  }
+  return {model.convention, model.statistics, model.forest.pruned(most_leaves, scale)};
+}
+
 PoseForestEstimator::PoseForestEstimator(PoseForestModel model) : model_(std::move(model)) {
   check(model_, "pose forest");
 }

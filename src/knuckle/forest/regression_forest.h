@@ -49,6 +49,10 @@ class RegressionForest {
   /// A forest of the same structure whose leaves are kept with 8, 16 or 32 bits a value.
   RegressionForest with_leaf_bits(int bits) const;
 
+  /// A forest of at most `most_leaves` leaves (or one a tree), see pruned_nodes(). `scale`: what a unit of
+  /// each target counts (an Error where there is not one a target).
+  RegressionForest pruned(std::size_t most_leaves, std::span<const float> scale) const;
+
  private:
   Parts parts_;
 };
