@@ -7,6 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <torch/cuda.h>
 #include <torch/optim/adamw.h>
 #include <torch/optim/sgd.h>
@@ -58,7 +62,9 @@ double clip_gradient(const std::vector<torch::Tensor>& parameters, double limit)
   const torch::NoGradGuard no_gradient;
   double squares = 0.0;
   for (const torch::Tensor& parameter : parameters) {
-    if (parameter.grad().defined()) squares += parameter.grad().square().sum().item<double>();
+    if (!parameter.grad().defined()) continue;
+    const auto length = parameter.grad().norm().item<double>();
+    squares += length * length;
   }
   const double norm = std::sqrt(squares);
   if (limit == 0.0 || !(norm > limit)) return norm;
@@ -105,6 +111,16 @@ class Clock {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// Keeps what is freed for the next allocation. The paper's networks take and free gradients of 200 MB in
+/// each step; glibc would give these back to the system, and faulting their pages in again would take a third
+/// of the time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
+}
 
 class Trainer {
  public:
@@ -354,6 +370,7 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");
   use_calling_thread_alone();
+  keep_freed_memory();
   return with_clear_errors(
       "training", [&] { return Trainer(network, options, augmentation, training, validation, run).train(); });
 }
