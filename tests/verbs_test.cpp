@@ -30,8 +30,8 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"render"},
                                                {"train", "pose-forest"},
                                                {"train", "segmentation-forest"},
-                                               {"prune"},
                                                {"segment"},
+                                               {"shrink"},
                                                {"estimate"},
                                                {"evaluate"},
                                                {"experiment"},
@@ -241,9 +241,9 @@ TEST_F(VerbsTest, ASourceWithoutTruthGivesAReportOfPictures) {
               FailedWith("poses.txt"));
 }
 
-TEST_F(VerbsTest, APrunedForestIsSmallerAndEstimates) {
-  ASSERT_THAT(run_program({"prune", "--model", "models/pose_forest.h5", "--leaves", "2000", "--out",
-                           path("small.h5")}),
+TEST_F(VerbsTest, AShrunkForestIsSmallerAndEstimates) {
+  ASSERT_THAT(run_program({"shrink", "--model", "models/pose_forest.h5", "--leaves", "2000", "--leaf-step",
+                           "0.1", "--out", path("small.h5")}),
               Succeeded());
   EXPECT_LT(std::filesystem::file_size(path("small.h5")),
             std::filesystem::file_size("models/pose_forest.h5") / 4);
@@ -252,7 +252,7 @@ TEST_F(VerbsTest, APrunedForestIsSmallerAndEstimates) {
   EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("small.toml"), "--out",
                            path("poses.txt")}),
               Succeeded());
-  EXPECT_THAT(run_program({"prune", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.h5")}),
+  EXPECT_THAT(run_program({"shrink", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.h5")}),
               FailedWith("models/dense.pt"));
   EXPECT_FALSE(std::filesystem::exists(path("b.h5")));
 }

@@ -22,6 +22,9 @@ struct PoseForestModel {
 
 /// Writes the model as a `.h5` file of format "knuckle-forest", version 1; it appears only when whole.
 void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model);
+/// The same in less room: leaves in steps of `leaf_step` (above 0; in units of u and v, half the patch) along
+/// their principal components, see LeafCoding.
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model, float leaf_step);
 
 /// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
 /// version or kind, or where its parts do not fit together or are not finite.
