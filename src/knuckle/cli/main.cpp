@@ -8,6 +8,7 @@ void add_verbs(CLI::App& program) {
   program.footer("`knuckle VERB --help` tells more about a verb, with an example.");
   add_info(program);
   add_inspect(program);
+  add_shrink(program);
   add_render(program);
   add_train(program);
   add_segment(program);

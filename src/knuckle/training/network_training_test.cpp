@@ -11,6 +11,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file.h"
 #include "knuckle/net/pose_network.h"
 #include "knuckle/training/archive.h"
 #include "knuckle/training/batch_loader.h"
@@ -147,6 +148,30 @@ TEST_F(NetworkTraining, DenseLearnsASmallSetByHeart) {
       train_network(small_network(), options, no_augmentation(), training_, training_, run());
   EXPECT_LT(metrics.back().validation.first_mm, 1.0);
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
+}
+
+TEST_P(EveryArchitecture, BeginsWithTheWeightsOfAModel) {
+  train(short_training(), run("first"), network());
+  NetworkTrainingOptions still = short_training();
+  still.learning_rate.learning_rate = 1e-12;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  train(still, second, network());
+  const NetworkWeights expected = load_network_weights(folder_ / "first.pt");
+  const NetworkWeights begun = load_network_weights(folder_ / "second.pt");
+  EXPECT_TRUE(std::ranges::equal(begun.halves(), expected.halves()));
+}
+
+TEST_F(NetworkTraining, RefusesToBeginWithAModelOfAnotherKind) {
+  train(short_training(), run("first"));
+  NetworkOptions other = small_network();
+  other.patch.cube_mm = 300.0;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second, other); }),
+              AllOf(HasSubstr("first.pt"), HasSubstr("[network] or [patch] differs")));
+  second.initial = folder_ / "none.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second); }), HasSubstr("none.pt"));
 }
 
 TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {

@@ -54,6 +54,19 @@ NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& ne
   return weights;
 }
 
+void set_weights(NetworkModule& network, const NetworkWeights& weights) {
+  const torch::NoGradGuard no_gradient;
+  const auto parameters = network.named_parameters();
+  const auto buffers = network.named_buffers();
+  for (const NetworkArray& array : weights.arrays()) {
+    const bool is_half = array.precision == NetworkArray::Precision::half;
+    const torch::Tensor& target = is_half ? parameters[array.name] : buffers[array.name];
+    const torch::Tensor values = is_half ? as_tensor(weights.halves(array.name), torch::kHalf)
+                                         : as_tensor(weights.singles(array.name), torch::kFloat);
+    target.copy_(values.view(target.sizes()));
+  }
+}
+
 void save_weights(const std::filesystem::path& path, const NetworkWeights& weights) {
   const std::string header = network_header(weights.options());
   torch::serialize::OutputArchive archive;
