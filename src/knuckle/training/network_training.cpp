@@ -261,13 +261,19 @@ class Trainer {
 
   /// Begins with another training's weights: for more samples, or the user's own.
   void load_initial() {
+    const torch::NoGradGuard no_gradient;
     const NetworkWeights initial = load_network_weights(run_.initial);
     if (network_options_as_toml(initial.options()) != network_options_as_toml(network_options_)) {
       fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
            run_.initial.string());
     }
-    network_.set_weights(initial);
+    const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
+    };
     set_weights(*averaged_, initial);
+    copy(averaged_->parameters(), network_.parameters());
+    copy(averaged_->buffers(), network_.buffers());
+    network_.share_buffers();
   }
 
   void save_checkpoint() {

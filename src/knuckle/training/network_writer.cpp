@@ -15,18 +15,6 @@
 namespace knuckle {
 namespace {
 
-bool is_half(const NetworkArray& array) {
-  return array.precision == NetworkArray::Precision::half;
-}
-
-/// Where the network keeps the array: among its parameters or its buffers.
-torch::Tensor tensor_of(const NetworkModule& network, const NetworkArray& array) {
-  const auto tensors = is_half(array) ? network.named_parameters() : network.named_buffers();
-  const torch::Tensor* const tensor = tensors.find(array.name);
-  if (tensor == nullptr) fail("network: it has no {}, which its options ask for", array.name);
-  return *tensor;
-}
-
 /// Copies a tensor's values; its shape has to be the array's.
 template <class Number>
 void copy_values(const torch::Tensor& tensor, torch::ScalarType type, const NetworkArray& array,
@@ -50,13 +38,17 @@ torch::Tensor as_tensor(std::span<const Number> numbers, torch::ScalarType type)
 }  // namespace
 
 NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& network) {
+  const auto parameters = network.named_parameters();
+  const auto buffers = network.named_buffers();
   NetworkWeights weights(options);
   for (const NetworkArray& array : weights.arrays()) {
-    const torch::Tensor tensor = tensor_of(network, array);
-    if (is_half(array)) {
-      copy_values(tensor, torch::kHalf, array, weights.halves(array.name));
+    const bool is_half = array.precision == NetworkArray::Precision::half;
+    const torch::Tensor* const tensor = is_half ? parameters.find(array.name) : buffers.find(array.name);
+    if (tensor == nullptr) fail("network: it has no {}, which its options ask for", array.name);
+    if (is_half) {
+      copy_values(*tensor, torch::kHalf, array, weights.halves(array.name));
     } else {
-      copy_values(tensor, torch::kFloat, array, weights.singles(array.name));
+      copy_values(*tensor, torch::kFloat, array, weights.singles(array.name));
     }
   }
   return weights;
@@ -64,11 +56,14 @@ NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& ne
 
 void set_weights(NetworkModule& network, const NetworkWeights& weights) {
   const torch::NoGradGuard no_gradient;
+  const auto parameters = network.named_parameters();
+  const auto buffers = network.named_buffers();
   for (const NetworkArray& array : weights.arrays()) {
-    torch::Tensor tensor = tensor_of(network, array);
-    const torch::Tensor values = is_half(array) ? as_tensor(weights.halves(array.name), torch::kHalf)
-                                                : as_tensor(weights.singles(array.name), torch::kFloat);
-    tensor.copy_(values.view(tensor.sizes()));
+    const bool is_half = array.precision == NetworkArray::Precision::half;
+    const torch::Tensor& target = is_half ? parameters[array.name] : buffers[array.name];
+    const torch::Tensor values = is_half ? as_tensor(weights.halves(array.name), torch::kHalf)
+                                         : as_tensor(weights.singles(array.name), torch::kFloat);
+    target.copy_(values.view(target.sizes()));
   }
 }
 

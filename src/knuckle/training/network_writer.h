@@ -12,7 +12,7 @@ namespace knuckle {
 /// The numbers of a network, as they are stored: weights in half precision.
 NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& network);
 
-/// The way back: gives a network of the same options these numbers.
+/// The other way: sets all that is stored. The network is that of the weights' options.
 void set_weights(NetworkModule& network, const NetworkWeights& weights);
 
 /// Writes numbers as a LibTorch archive (knuckle/net/network_file.h says what is in it). It appears only when

@@ -6,7 +6,6 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/parallel.h"
-#include "knuckle/training/network_writer.h"
 #include "knuckle/training/torch_threads.h"
 
 namespace knuckle {
@@ -22,11 +21,6 @@ ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed
     const std::vector<torch::Tensor> shared = parameters();
     for (std::size_t p = 0; p < own.size(); ++p) own[p].set_data(shared[p].detach());
   }
-}
-
-void ShardedNetwork::set_weights(const NetworkWeights& weights) {
-  knuckle::set_weights(*shards_.front(), weights);  // all share its parameters
-  share_buffers();
 }
 
 double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {

@@ -7,7 +7,6 @@
 
 #include <torch/types.h>
 
-#include "knuckle/net/network_weights.h"
 #include "knuckle/training/batch_loader.h"
 #include "knuckle/training/network_module.h"
 
@@ -25,8 +24,6 @@ class ShardedNetwork {
 
   std::vector<torch::Tensor> parameters() const { return shards_.front()->parameters(); }
   std::vector<torch::Tensor> buffers() const { return shards_.front()->buffers(); }
-  /// Begins with these numbers. Throws an Error where they are another architecture's.
-  void set_weights(const NetworkWeights& weights);
   /// Gives the buffers of the first copy to all.
   void share_buffers();
 
