@@ -34,7 +34,7 @@ def entities(folder):
     for path in folder.glob("xml/*.xml"):
         for compound in xml.parse(path).getroot().iter("compounddef"):
             name = compound.findtext("compoundname")
-            if compound.get("kind") in ("class", "struct") and "@" not in name:
+            if compound.get("kind") in ("class", "struct") and compound.get("prot") == "public" and "@" not in name:
                 yield name, compound
             if compound.get("kind") == "namespace" and name.startswith("knuckle"):
                 for member in compound.iter("memberdef"):

@@ -21,7 +21,9 @@ inline constexpr std::string_view kH5Joints = "joints_mm";   ///< N x 22 x 3 flo
 /// N x 4 float64, fx, fy, cx, cy of each frame's camera; version 1 has none: all are those of the attributes.
 inline constexpr std::string_view kH5Intrinsics = "intrinsics";
 
+/// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
+/// The newest version that is known; 2 added the intrinsics of each frame.
 inline constexpr int kH5Version = 2;
 
 /// The camera of the first frame as attributes of the file.

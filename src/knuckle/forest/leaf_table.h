@@ -48,6 +48,7 @@ class Hdf5File;
 /// Adds the table to a file, or reads it back. Throws an Error that names the file where something is missing
 /// or does not fit together.
 void write_leaves(Hdf5File& file, const LeafTable& leaves);
+/// Reads the table back.
 LeafTable read_leaves(const Hdf5File& file);
 
 }  // namespace knuckle

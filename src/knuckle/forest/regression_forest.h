@@ -20,6 +20,7 @@ class RegressionForest {
   using Node = TreeNode<PixelPair>;
   static_assert(sizeof(Node) == 12);
 
+  /// What a forest is made of.
   struct Parts {
     int feature_count = 0;
     FeatureQuantizer quantizer;
@@ -56,6 +57,7 @@ class RegressionForest {
 /// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
 /// Error that names the file where something is missing, out of range or not finite.
 void write_forest(Hdf5File& file, const RegressionForest& forest);
+/// Reads the forest back.
 RegressionForest read_forest(const Hdf5File& file);
 
 }  // namespace knuckle

@@ -15,6 +15,7 @@ namespace knuckle {
 class FullyConnected final : public torch::nn::Module {
  public:
   enum class Activation { hidden, relu, linear };  ///< hidden: ReLU, in training with dropout
+  /// One layer: its outputs, and what follows them.
   struct Layer {
     int64_t units;
     Activation activation;

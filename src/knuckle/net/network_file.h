@@ -14,6 +14,7 @@ namespace knuckle {
 void save_network(const std::filesystem::path& path, const NetworkOptions& options,
                   const NetworkModule& network);
 
+/// A network as its file holds it.
 struct LoadedNetwork {
   NetworkOptions options;
   std::shared_ptr<NetworkModule> network;  ///< in single precision
