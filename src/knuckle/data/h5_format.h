@@ -32,6 +32,7 @@ inline constexpr int kH5Version = 2;
 
 /// The side as its number in the file, and back. Throws an Error that starts with `where` at other numbers.
 std::int8_t code_of(std::optional<HandSide> side);
+/// The side from that number.
 std::optional<HandSide> side_of(std::int8_t code, std::string_view where);
 
 /// The camera of the first frame as attributes of the file.
