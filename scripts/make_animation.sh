@@ -26,5 +26,5 @@ grep -v '^#' "$work/poses.txt" >"$work/set/joints.txt"
 for frame in $(seq 0 95); do
   "$knuckle" inspect --source "folder:$work/set" --frame "$frame" --png "$work/$(printf %03d "$frame").png" >/dev/null
 done
-convert -delay 8 -loop 0 "$work"/[0-9]*.png -resize 400x -quality 70 -define webp:method=6 "$out"
+convert -delay 8 -loop 0 "$work"/[0-9]*.png -crop 416x384+176+88 +repage -quality 70 -define webp:method=4 "$out"
 echo "$out"
