@@ -89,13 +89,13 @@ def linked(objects, build, folder):
 
 
 def write_depth(path):
-    """A plate 450 mm away with a finger that points at the camera, and the same seen from 50 mm farther."""
+    """A plate 450 mm away with a thick finger that points at the camera, and the same seen from 50 mm farther."""
     depth = array.array("f", bytes(4 * 320 * 240 * 2))
     for frame, farther in enumerate((0.0, 50.0)):
         for row in range(90, 130):
             for column in range(130, 190):
-                is_finger = abs(column - TIP[0]) < 4 and abs(row - TIP[1]) < 4
-                depth[(frame * 240 + row) * 320 + column] = farther + (TIP[2] + 1 if is_finger else 450.0)
+                is_finger = abs(column - TIP[0]) < 10 and abs(row - TIP[1]) < 10
+                depth[(frame * 240 + row) * 320 + column] = farther + (TIP[2] + 2 if is_finger else 450.0)
         depth[(frame * 240 + TIP[1]) * 320 + TIP[0]] = TIP[2] + farther
     path.write_bytes(depth.tobytes())
 
