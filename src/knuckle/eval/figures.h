@@ -14,6 +14,7 @@ struct Series {
   std::vector<double> values;  ///< one a place on the x axis; NaN leaves a gap
 };
 
+/// What a figure draws.
 enum class FigureKind {
   curves,  ///< a line a series over numbers
   bars,    ///< a group of bars, one a series, over each category

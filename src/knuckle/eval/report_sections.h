@@ -32,6 +32,7 @@ std::string figure_section(const std::vector<DrawnFigure>& figures);
 /// Joints x methods: mean 3D error.
 std::string joint_section(const Evaluation& evaluation);
 
+/// Pictures of single frames: truth and predictions over the depth image.
 std::string gallery_section(const std::vector<GalleryRow>& rows);
 
 /// What the measures mean.

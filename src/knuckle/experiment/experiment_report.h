@@ -12,6 +12,7 @@ namespace knuckle {
 /// Where an experiment in the folder `out` keeps what a method made of a sequence.
 std::filesystem::path boxes_file(const std::filesystem::path& out, const PlannedSequence& sequence,
                                  const PlannedMethod& method);
+/// The same for poses.
 std::filesystem::path poses_file(const std::filesystem::path& out, const PlannedSequence& sequence,
                                  const PlannedMethod& method);
 /// Counts and times, beside such a file.

@@ -24,6 +24,7 @@ class StepInputs {
 /// The XXH3 hash (128 bits, hexadecimal) of a file's content. Throws an Error that names the file.
 std::string content_hash(const std::filesystem::path& file);
 
+/// What became of a step.
 enum class StepOutcome {
   done,  ///< the work was done
   kept,  ///< the output was there, made from the same inputs
