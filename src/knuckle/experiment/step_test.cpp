@@ -66,6 +66,27 @@ TEST_F(StepTest, IsDoneAgainAfterItFailed) {
   EXPECT_TRUE(is_done(changed, "new")) << "what a stopped step left counts as made from nothing known";
 }
 
+TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
+  const StepInputs inputs = StepInputs().add("scale", "1");
+  const auto start_of = [&](const StepInputs& of) {
+    StepStart found = StepStart::anew;
+    EXPECT_THROW(run_step(output_, of,
+                          [&](StepStart start) {
+                            found = start;
+                            throw std::runtime_error("stopped");
+                          }),
+                 std::runtime_error);
+    return found;
+  };
+  EXPECT_EQ(start_of(inputs), StepStart::anew);
+  EXPECT_EQ(start_of(inputs), StepStart::again);
+  EXPECT_EQ(start_of(StepInputs().add("scale", "2")), StepStart::anew);
+  EXPECT_EQ(start_of(inputs), StepStart::anew) << "what lies there now is of scale 2";
+  EXPECT_TRUE(is_done(inputs));
+  std::filesystem::remove(output_);
+  EXPECT_EQ(start_of(inputs), StepStart::anew) << "that run came to its end";
+}
+
 TEST_F(StepTest, ContentHashIsThatOfXxhsum) {
   const std::filesystem::path file = folder_ / "empty";
   write_text_file(file, "");
