@@ -31,6 +31,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"train", "pose-forest"},
                                                {"train", "segmentation-forest"},
                                                {"segment"},
+                                               {"shrink"},
                                                {"estimate"},
                                                {"evaluate"},
                                                {"experiment"},
@@ -238,6 +239,32 @@ TEST_F(VerbsTest, ASourceWithoutTruthGivesAReportOfPictures) {
   EXPECT_THAT(run_program({"evaluate", "--truth", source + "?count=1", "--predictions", predictions, "--out",
                            path("other")}),
               FailedWith("poses.txt"));
+}
+
+TEST_F(VerbsTest, TheForestFindsThePaintedHandOfARecording) {
+  KNUCKLE_REQUIRE_SHARED_DATA(shared);
+  ASSERT_THAT(run_program({"segment", "--source", "folder:" + (shared / "real/kinect_hand_mask").string(),
+                           "--pipeline", "pipelines/forest_segmentation_wrist.toml", "--out",
+                           path("boxes.csv"), "--json", path("scores.json")}),
+              Succeeded());
+  const auto scores = nlohmann::json::parse(read_text_file(path("scores.json")));
+  EXPECT_GT(scores["mask"]["pixel_iou"], 0.90) << "a published forest that was trained on such frames: 0.965";
+}
+
+TEST_F(VerbsTest, AShrunkForestIsSmallerAndEstimates) {
+  ASSERT_THAT(run_program({"shrink", "--model", "models/pose_forest.h5", "--leaves", "2000", "--leaf-step",
+                           "0.1", "--out", path("small.h5")}),
+              Succeeded());
+  EXPECT_LT(std::filesystem::file_size(path("small.h5")),
+            std::filesystem::file_size("models/pose_forest.h5") / 4);
+  write_text_file(path("small.toml"),
+                  "[patch]\nsize_px = 96\n[estimator]\nmethod = \"forest\"\nmodel = \"small.h5\"\n");
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("small.toml"), "--out",
+                           path("poses.txt")}),
+              Succeeded());
+  EXPECT_THAT(run_program({"shrink", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.h5")}),
+              FailedWith("models/dense.pt"));
+  EXPECT_FALSE(std::filesystem::exists(path("b.h5")));
 }
 
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {

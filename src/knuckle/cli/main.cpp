@@ -24,6 +24,7 @@ int run(int count, char** arguments) {
   remember_command_line(count, arguments);
   add_info(program);
   add_inspect(program);
+  add_shrink(program);
   add_render(program);
   add_train(program);
   add_segment(program);

@@ -115,6 +115,7 @@ void train_network(const NetworkArguments& arguments) {
                          .checkpoint = checkpoint_of(arguments.train),
                          .begin = arguments.train.resume ? NetworkTrainingRun::Begin::from_checkpoint
                                                          : NetworkTrainingRun::Begin::anew,
+                         .initial = {},
                          .device = arguments.device,
                          .minutes = arguments.minutes,
                          .stop_after_steps = 0,

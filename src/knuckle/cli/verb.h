@@ -20,6 +20,7 @@ void add_evaluate(CLI::App& program);
 void add_experiment(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
+void add_shrink(CLI::App& program);
 void add_render(CLI::App& program);
 void add_segment(CLI::App& program);
 void add_train(CLI::App& program);

@@ -19,7 +19,7 @@ struct Hdf5Array {
 };
 
 /// A thin owner of an HDF5 file: named arrays and attributes, with Knuckle's errors. T is one of float,
-/// double, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t,
+/// double, std::int8_t, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t,
 /// std::uint64_t. Reading converts from the file's type. HDF5 itself is not made for threads: all calls of
 /// all files take turns.
 class Hdf5File {

@@ -11,6 +11,10 @@
 namespace knuckle {
 namespace {
 
+constexpr std::int8_t kSideRight = 0;
+constexpr std::int8_t kSideLeft = 1;
+constexpr std::int8_t kSideUnknown = -1;
+
 int size_attribute(const Hdf5File& file, std::string_view name) {
   constexpr double kLargestSide = 65536;
   const double value = file.number_attribute(name);
@@ -20,6 +24,19 @@ int size_attribute(const Hdf5File& file, std::string_view name) {
 }
 
 }  // namespace
+
+std::int8_t code_of(std::optional<HandSide> side) {
+  if (!side) return kSideUnknown;
+  return *side == HandSide::left ? kSideLeft : kSideRight;
+}
+
+std::optional<HandSide> side_of(std::int8_t code, std::string_view where) {
+  if (code == kSideUnknown) return std::nullopt;
+  if (code == kSideLeft) return HandSide::left;
+  if (code == kSideRight) return HandSide::right;
+  fail("{}: side is {}, expected {} (right), {} (left) or {} (not known)", where, code, kSideRight, kSideLeft,
+       kSideUnknown);
+}
 
 void write_camera(Hdf5File& file, const Camera& camera) {
   file.set_attribute("pixel_origin", "centre");

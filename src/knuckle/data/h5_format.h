@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "knuckle/core/camera.h"
+#include "knuckle/core/frame.h"
 #include "knuckle/core/hdf5_file.h"
 
 namespace knuckle {
@@ -20,9 +22,15 @@ inline constexpr std::string_view kH5Infrared = "infrared";  ///< N x H x W uint
 inline constexpr std::string_view kH5Joints = "joints_mm";   ///< N x 22 x 3 float32, in camera; NaN = unknown
 /// N x 4 float64, fx, fy, cx, cy of each frame's camera; version 1 has none: all are those of the attributes.
 inline constexpr std::string_view kH5Intrinsics = "intrinsics";
+/// N int8: 0 = a right hand, 1 = a left one, -1 = not known; may be missing.
+inline constexpr std::string_view kH5Side = "side";
 
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
 inline constexpr int kH5Version = 2;
+
+/// The side as its number in the file, and back. Throws an Error that starts with `where` at other numbers.
+std::int8_t code_of(std::optional<HandSide> side);
+std::optional<HandSide> side_of(std::int8_t code, std::string_view where);
 
 /// The camera of the first frame as attributes of the file.
 void write_camera(Hdf5File& file, const Camera& camera);

@@ -44,7 +44,8 @@ H5Source::H5Source(const std::filesystem::path& path)
       has_infrared_(file_.has(kH5Infrared)),
       has_mask_(file_.has(kH5Mask)),
       has_joints_(file_.has(kH5Joints)),
-      has_intrinsics_(file_.has(kH5Intrinsics)) {
+      has_intrinsics_(file_.has(kH5Intrinsics)),
+      has_side_(file_.has(kH5Side)) {
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
@@ -55,6 +56,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_mask_) require_shape(kH5Mask, images);
   if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
   if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsAFrame});
+  if (has_side_) require_shape(kH5Side, {count});
   size_ = static_cast<std::int64_t>(count);
 }
 
@@ -101,6 +103,13 @@ std::optional<HandPose> H5Source::read_truth(std::uint64_t row, const Camera& ca
   return known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(camera)));
 }
 
+std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
+  if (!has_side_) return std::nullopt;
+  std::int8_t code = 0;
+  file_.read_rows(kH5Side, row, 1, &code);
+  return side_of(code, fmt::format("{}: frame {}", file_.path().string(), row));
+}
+
 FrameLabel H5Source::read_label(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
   const Camera camera = read_frame_camera(row);
@@ -125,6 +134,7 @@ Frame H5Source::read(std::int64_t index) const {
     frame.mask = mask_from_pixels(std::move(frame.mask));
   }
   frame.truth = read_truth(row, frame.camera);
+  frame.side = read_side(row);
   return frame;
 }
 

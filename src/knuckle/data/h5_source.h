@@ -25,6 +25,7 @@ class H5Source final : public FrameSource {
   void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
   std::uint64_t row_of(std::int64_t index) const;
   Camera read_frame_camera(std::uint64_t row) const;
+  std::optional<HandSide> read_side(std::uint64_t row) const;
   std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
 
   Hdf5File file_;
@@ -36,6 +37,7 @@ class H5Source final : public FrameSource {
   bool has_mask_;
   bool has_joints_;
   bool has_intrinsics_;
+  bool has_side_;
 };
 
 }  // namespace knuckle

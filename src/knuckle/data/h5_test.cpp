@@ -32,7 +32,9 @@ FrameWriterOptions options_for(std::int64_t first, std::int64_t count,
 }
 
 Frame frame_number(std::int64_t index) {
-  return noise_frame(small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
+  Frame frame = noise_frame(small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
+  if (index % 3 != 0) frame.side = index % 3 == 1 ? HandSide::left : HandSide::right;
+  return frame;
 }
 
 void write_set(const fs::path& path, std::int64_t first, std::int64_t count) {
@@ -49,6 +51,7 @@ void expect_frames(const fs::path& path, std::int64_t first, std::int64_t count)
     const Frame actual = source.read(i);
     EXPECT_EQ(actual.name, fmt::format("{:08}", first + i));
     EXPECT_EQ(actual.camera, expected.camera);
+    EXPECT_EQ(actual.side, expected.side);
     testing::expect_near(actual.depth_mm, expected.depth_mm, 0.0501);
     EXPECT_EQ(actual.infrared, expected.infrared);
     EXPECT_EQ(actual.mask, expected.mask);
@@ -254,6 +257,11 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
                 file.write_rows(kH5Intrinsics, 0, 1, no_focal_length);
               }),
               AllOf(HasSubstr("a.h5: intrinsics: frame 0"), HasSubstr("fx")));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const std::int8_t third_hand = 2;
+                file.write_rows(kH5Side, 0, 1, &third_hand);
+              }),
+              AllOf(HasSubstr("a.h5: frame 0"), HasSubstr("side is 2")));
   EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("format", "knuckle-body"); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("knuckle-body")));
   EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("width", 25); }),

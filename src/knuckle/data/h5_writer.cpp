@@ -103,11 +103,13 @@ void H5Writer::create_arrays(Hdf5File& file) const {
   if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kAFrameAChunk);
   file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
   file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
+  file.create_dataset<std::int8_t>(kH5Side, {count}, {});
 }
 
 void H5Writer::write_frames(Hdf5File& file) const {
   RowBlock<float> joints(file, kH5Joints);
   RowBlock<double> intrinsics(file, kH5Intrinsics);
+  RowBlock<std::int8_t> sides(file, kH5Side);
   Progress progress("assemble", "frames", options_.count);
   for (std::int64_t i = 0; i < options_.count; ++i) {
     const StoredFrame frame = stored_frame_from(log_.read(options_.first + i));
@@ -117,10 +119,12 @@ void H5Writer::write_frames(Hdf5File& file) const {
     if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
     joints.add(frame.joints_mm);
     intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
+    sides.add(std::array{frame.side});
     progress.advance();
   }
   joints.write();
   intrinsics.write();
+  sides.write();
 }
 
 void H5Writer::write_whole(const fs::path& path) const {

@@ -88,7 +88,19 @@ Convention read_convention(const Hdf5File& file) {
 
 }  // namespace
 
-void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model) {
+namespace {
+
+/// What a unit of each target counts.
+std::vector<float> target_scale(const PoseForestModel& model) {
+  std::vector<float> scale;
+  for (std::size_t i = 0; i < model.convention.landmarks.size(); ++i) {
+    scale.insert(scale.end(), {1.0F, 1.0F, static_cast<float>(kDepthWeight)});
+  }
+  return scale;
+}
+
+void save(const std::filesystem::path& path, const PoseForestModel& model,
+          const std::optional<LeafCoding>& coding) {
   check(model, path.string());
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
     Hdf5File file = Hdf5File::create(temporary);
@@ -101,9 +113,19 @@ void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& 
       const auto size = static_cast<std::uint64_t>(model.statistics.size_px);
       file.write("patch_mean", {size, size}, mean.data());
     }
-    write_forest(file, model.forest);
+    write_forest(file, model.forest, coding);
     file.close();
   });
+}
+
+}  // namespace
+
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model) {
+  save(path, model, std::nullopt);
+}
+
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model, float leaf_step) {
+  save(path, model, LeafCoding{leaf_step, target_scale(model)});
 }
 
 PoseForestModel load_pose_forest(const std::filesystem::path& path) {
@@ -114,6 +136,10 @@ PoseForestModel load_pose_forest(const std::filesystem::path& path) {
   PoseForestModel model{read_convention(file), read_statistics(file), read_forest(file)};
   check(model, path.string());
   return model;
+}
+
+PoseForestModel pruned(const PoseForestModel& model, std::size_t most_leaves) {
+  return {model.convention, model.statistics, model.forest.pruned(most_leaves, target_scale(model))};
 }
 
 PoseForestEstimator::PoseForestEstimator(PoseForestModel model) : model_(std::move(model)) {

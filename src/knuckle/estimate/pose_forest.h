@@ -8,6 +8,10 @@
 
 namespace knuckle {
 
+/// What a unit of d (a standard deviation of the hand's depth) counts against a unit of u or v (half the
+/// patch). A hand has a deviation of some 25 mm, half a patch some 100 mm.
+inline constexpr double kDepthWeight = 0.25;
+
 /// A pose forest with all that is needed to use it. Its features are the pixels of a patch, row by row; its
 /// targets are u, v, d of the convention's first landmark, then of the second, ... in patch coordinates.
 struct PoseForestModel {
@@ -18,10 +22,17 @@ struct PoseForestModel {
 
 /// Writes the model as a `.h5` file of format "knuckle-forest", version 1; it appears only when whole.
 void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model);
+/// The same in less room: leaves in steps of `leaf_step` (above 0; in units of u and v, half the patch) along
+/// their principal components, see LeafCoding.
+void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model, float leaf_step);
 
 /// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
 /// version or kind, or where its parts do not fit together or are not finite.
 PoseForestModel load_pose_forest(const std::filesystem::path& path);
+
+/// The model with at most `most_leaves` leaves (or one a tree): smaller, and a little less accurate. A unit
+/// of d counts kDepthWeight against one of u or v, as it does in training by default.
+PoseForestModel pruned(const PoseForestModel& model, std::size_t most_leaves);
 
 /// Pose by a regression forest (Riegler et al. 2015, equation 3): the mean of the leaves that the patch
 /// reaches.

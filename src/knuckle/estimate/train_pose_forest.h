@@ -15,10 +15,7 @@ namespace knuckle {
 /// Training of a pose forest; the defaults of the forest are the paper's.
 struct PoseForestTrainingOptions {
   RegressionForestOptions forest;
-  /// What a unit of d (a standard deviation of the hand's depth) counts in the scores of splits against a
-  /// unit of u or v (half the patch), [0, 100]. A hand has a deviation of some 25 mm, half a patch some 100
-  /// mm.
-  double depth_weight = 0.25;
+  double depth_weight = kDepthWeight;  ///< in the scores of splits, [0, 100]
 
   void visit(OptionVisitor& visitor) {
     forest.visit(visitor);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/forest/leaf_coding.h"
 #include "knuckle/forest/regression_forest.h"
 
 namespace knuckle {
@@ -22,9 +23,24 @@ LeafTable::Codes read_codes(const Hdf5File& file, std::size_t columns) {
   return std::move(array.values);
 }
 
+constexpr std::string_view kComponents = "leaf_component";
+constexpr int kCodedLeafBits = 8;
+
+LeafTable read_coded_leaves(const Hdf5File& file) {
+  CodedLeaves coded;
+  coded.step = static_cast<float>(file.number_attribute("leaf_code_step"));
+  coded.scale = file.read<float>("leaf_scale").values;
+  coded.mean = file.read<float>("leaf_mean").values;
+  coded.components = file.read<float>(kComponents).values;
+  coded.codes = file.read<std::uint16_t>("leaf_code").values;
+  const std::vector<float> values = decoded(coded, file.path().string());
+  return {static_cast<int>(coded.mean.size()), values, kCodedLeafBits};
+}
+
 }  // namespace
 
 LeafTable read_leaves(const Hdf5File& file) {
+  if (file.has(kComponents)) return read_coded_leaves(file);
   const std::vector<float> offset = file.read<float>("leaf_offset").values;
   const std::vector<float> step = file.read<float>("leaf_step").values;
   const std::string origin = file.path().string();
@@ -52,12 +68,28 @@ void write_leaves(Hdf5File& file, const LeafTable& leaves) {
       leaves.codes());
 }
 
-void write_forest(Hdf5File& file, const RegressionForest& forest) {
+void write_leaves(Hdf5File& file, const LeafTable& leaves, const LeafCoding& coding) {
+  const CodedLeaves codes = coded(leaves, coding);
+  const std::uint64_t dimensions = codes.mean.size();
+  file.set_attribute("leaf_code_step", codes.step);
+  file.write("leaf_scale", {dimensions}, codes.scale.data());
+  file.write("leaf_mean", {dimensions}, codes.mean.data());
+  file.write(kComponents, {dimensions, dimensions}, codes.components.data());
+  constexpr std::uint64_t kOneComponent = 1;
+  file.write("leaf_code", {dimensions, leaves.leaf_count()}, codes.codes.data(),
+             {kOneComponent, detail::kForestDeflateLevel});
+}
+
+void write_forest(Hdf5File& file, const RegressionForest& forest, const std::optional<LeafCoding>& coding) {
   const RegressionForest::Parts& parts = forest.parts();
   file.set_attribute("feature_count", parts.feature_count);
   file.set_attribute("feature_step", parts.quantizer.step);
   write_trees(file, parts.trees);
-  write_leaves(file, parts.leaves);
+  if (coding) {
+    write_leaves(file, parts.leaves, *coding);
+  } else {
+    write_leaves(file, parts.leaves);
+  }
 }
 
 RegressionForest read_forest(const Hdf5File& file) {

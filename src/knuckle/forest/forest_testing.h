@@ -6,7 +6,10 @@
 #include <cstddef>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "knuckle/core/random.h"
+#include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/pixel_samples.h"
 #include "knuckle/forest/training_samples.h"
 
@@ -98,6 +101,17 @@ inline PixelSamples samples_of(const std::vector<BallScene>& scenes,
                 scenes[i].pixels);
   }
   return samples;
+}
+
+template <class Feature>
+void expect_same_trees(const FlatTrees<Feature>& a, const FlatTrees<Feature>& b) {
+  ASSERT_EQ(a.roots, b.roots);
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+    const auto& x = a.nodes[i];
+    const auto& y = b.nodes[i];
+    ASSERT_TRUE(x.next == y.next && x.feature == y.feature && x.threshold == y.threshold) << i;
+  }
 }
 
 }  // namespace knuckle::testing

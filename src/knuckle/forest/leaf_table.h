@@ -45,9 +45,13 @@ class LeafTable {
 
 class Hdf5File;
 
-/// Adds the table to a file, or reads it back. Throws an Error that names the file where something is missing
-/// or does not fit together.
+struct LeafCoding;
+
+/// Adds the table to a file as it is, or coded (leaf_coding.h).
 void write_leaves(Hdf5File& file, const LeafTable& leaves);
+void write_leaves(Hdf5File& file, const LeafTable& leaves, const LeafCoding& coding);
+/// Reads it back; coded leaves with 8 bits a value. Throws an Error that names the file where something is
+/// missing or does not fit together.
 LeafTable read_leaves(const Hdf5File& file);
 
 }  // namespace knuckle

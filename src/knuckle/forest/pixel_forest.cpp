@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -11,6 +12,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/forest/pruning.h"
 #include "knuckle/forest/simd.h"
 
 namespace knuckle {
@@ -201,6 +203,17 @@ Image<std::uint8_t> PixelForest::above(const Image<float>& depth_mm, const Camer
   Image<std::uint8_t> mask(depth_mm.width(), depth_mm.height());
   sum_codes(depth_mm, camera, least, [&](std::int32_t pixel, int /*sum*/) { mask.data()[pixel] = 1; });
   return mask;
+}
+
+PixelForest PixelForest::pruned(std::size_t most_leaves) const {
+  const std::vector<float> scale(1, 1.0F);
+  const std::vector<float> codes(parts_.leaf_codes.begin(), parts_.leaf_codes.end());
+  auto pruned = pruned_trees(parts_.trees, {1, codes}, scale, most_leaves);
+  Parts parts{std::move(pruned.trees), {}};
+  for (const float code : pruned.leaves.values) {
+    parts.leaf_codes.push_back(static_cast<std::uint8_t>(std::lround(code)));
+  }
+  return {std::move(parts), "pixel forest"};
 }
 
 void write_forest(Hdf5File& file, const PixelForest& forest) {

@@ -43,6 +43,9 @@ class PixelForest {
   /// need not see all trees. What is left of them cannot lift it above the threshold any more.
   Image<std::uint8_t> above(const Image<float>& depth_mm, const Camera& camera, float threshold) const;
 
+  /// A forest of at most `most_leaves` leaves (or one a tree), see pruned_nodes().
+  PixelForest pruned(std::size_t most_leaves) const;
+
  private:
   /// Sums of leaf codes over all trees, of each measured pixel for which it may reach `least`: calls
   /// take(row * width + column, sum).

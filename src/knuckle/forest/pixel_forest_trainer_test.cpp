@@ -34,13 +34,7 @@ PixelForestOptions small_options() {
 }
 
 void expect_same(const PixelForest& a, const PixelForest& b) {
-  ASSERT_EQ(a.parts().trees.roots, b.parts().trees.roots);
-  ASSERT_EQ(a.parts().trees.nodes.size(), b.parts().trees.nodes.size());
-  for (std::size_t i = 0; i < a.parts().trees.nodes.size(); ++i) {
-    const auto& x = a.parts().trees.nodes[i];
-    const auto& y = b.parts().trees.nodes[i];
-    ASSERT_TRUE(x.next == y.next && x.feature == y.feature && x.threshold == y.threshold) << i;
-  }
+  testing::expect_same_trees(a.parts().trees, b.parts().trees);
   EXPECT_EQ(a.parts().leaf_codes, b.parts().leaf_codes);
 }
 

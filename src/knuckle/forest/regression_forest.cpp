@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/forest/pruning.h"
 
 namespace knuckle {
 
@@ -79,6 +80,16 @@ RegressionForest::Prediction RegressionForest::predict(std::span<const float> fe
 RegressionForest RegressionForest::with_leaf_bits(int bits) const {
   Parts parts = parts_;
   parts.leaves = LeafTable(target_count(), parts_.leaves.decoded(), bits);
+  return {std::move(parts), "regression forest"};
+}
+
+RegressionForest RegressionForest::pruned(std::size_t most_leaves, std::span<const float> scale) const {
+  const auto targets = static_cast<std::size_t>(target_count());
+  if (scale.size() != targets) fail("pruning: {} scales for {} targets", scale.size(), targets);
+  auto pruned = pruned_trees(parts_.trees, {targets, parts_.leaves.decoded()}, scale, most_leaves);
+  Parts parts = parts_;
+  parts.trees = std::move(pruned.trees);
+  parts.leaves = LeafTable(target_count(), pruned.leaves.values, parts_.leaves.bits());
   return {std::move(parts), "regression forest"};
 }
 

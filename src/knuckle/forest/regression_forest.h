@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "knuckle/core/hdf5_file.h"
 #include "knuckle/forest/flat_trees.h"
+#include "knuckle/forest/leaf_coding.h"
 #include "knuckle/forest/leaf_table.h"
 #include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/training_samples.h"
@@ -49,13 +51,19 @@ class RegressionForest {
   /// A forest of the same structure whose leaves are kept with 8, 16 or 32 bits a value.
   RegressionForest with_leaf_bits(int bits) const;
 
+  /// A forest of at most `most_leaves` leaves (or one a tree), see pruned_nodes(). `scale`: what a unit of
+  /// each target counts (an Error where there is not one a target).
+  RegressionForest pruned(std::size_t most_leaves, std::span<const float> scale) const;
+
  private:
   Parts parts_;
 };
 
-/// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
-/// Error that names the file where something is missing, out of range or not finite.
-void write_forest(Hdf5File& file, const RegressionForest& forest);
+/// Adds the forest to a file, its leaves as they are or coded, or reads it back. The caller writes the file's
+/// format and version. Throws an Error that names the file where something is missing, out of range or not
+/// finite.
+void write_forest(Hdf5File& file, const RegressionForest& forest,
+                  const std::optional<LeafCoding>& coding = std::nullopt);
 RegressionForest read_forest(const Hdf5File& file);
 
 }  // namespace knuckle

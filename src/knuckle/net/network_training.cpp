@@ -7,6 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <torch/cuda.h>
 #include <torch/optim/adamw.h>
 #include <torch/optim/sgd.h>
@@ -58,7 +62,9 @@ double clip_gradient(const std::vector<torch::Tensor>& parameters, double limit)
   const torch::NoGradGuard no_gradient;
   double squares = 0.0;
   for (const torch::Tensor& parameter : parameters) {
-    if (parameter.grad().defined()) squares += parameter.grad().square().sum().item<double>();
+    if (!parameter.grad().defined()) continue;
+    const auto length = parameter.grad().norm().item<double>();
+    squares += length * length;
   }
   const double norm = std::sqrt(squares);
   if (limit == 0.0 || !(norm > limit)) return norm;
@@ -106,6 +112,16 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Keeps what is freed for the next allocation. The paper's networks take and free gradients of 200 MB in
+/// each step; glibc would give these back to the system, and faulting their pages in again would take a third
+/// of the time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
+}
+
 class Trainer {
  public:
   Trainer(const NetworkOptions& network, const NetworkTrainingOptions& options,
@@ -127,7 +143,11 @@ class Trainer {
   }
 
   std::vector<TrainingMetrics> train() {
-    if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) load_checkpoint();
+    if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) {
+      load_checkpoint();
+    } else if (!run_.initial.empty()) {
+      load_initial();
+    }
     const std::int64_t end =
         run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
     if (step_ >= end || has_run_out_of_patience()) return metrics_;
@@ -234,7 +254,26 @@ class Trainer {
   std::string identity() const {
     return network_options_as_toml(network_options_) + "[training]\n" + options_as_toml(options_) +
            "[augmentation]\n" + options_as_toml(augmentation_) +
-           fmt::format("[data]\nsamples = {}\n", training_.size());
+           fmt::format("[data]\nsamples = {}\ninitial = \"{}\"\n", training_.size(),
+                       run_.initial.filename().string());
+  }
+
+  /// Begins with another training's weights: for more samples, or the user's own.
+  void load_initial() {
+    const torch::NoGradGuard no_gradient;
+    const LoadedNetwork initial = load_network(run_.initial);
+    if (network_options_as_toml(initial.options) != network_options_as_toml(network_options_)) {
+      fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
+           run_.initial.string());
+    }
+    const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
+    };
+    copy(initial.network->parameters(), network_.parameters());
+    copy(initial.network->buffers(), network_.buffers());
+    network_.share_buffers();
+    copy(initial.network->parameters(), averaged_->parameters());
+    copy(initial.network->buffers(), averaged_->buffers());
   }
 
   void save_checkpoint() {
@@ -331,6 +370,7 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");
   use_calling_thread_alone();
+  keep_freed_memory();
   return with_clear_errors(
       "training", [&] { return Trainer(network, options, augmentation, training, validation, run).train(); });
 }

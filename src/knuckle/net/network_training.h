@@ -57,6 +57,9 @@ struct NetworkTrainingRun {
   std::filesystem::path model;       ///< the best so far; also written at each better validation
   std::filesystem::path checkpoint;  ///< all that is needed to go on; written at each validation
   enum class Begin { anew, from_checkpoint } begin = Begin::anew;
+  /// A model of the same architecture, convention and patch, whose weights a training anew begins with;
+  /// empty: random weights.
+  std::filesystem::path initial;
   std::string device = "cpu";  ///< cpu | cuda
   /// The learning rate falls, and the training ends, so that all is done in this time [min]; 0: in its own.
   /// What comes out then depends on how fast the machine was.

@@ -144,6 +144,33 @@ TEST_F(NetworkTraining, DenseLearnsASmallSetByHeart) {
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
 }
 
+TEST_P(EveryArchitecture, BeginsWithTheWeightsOfAModel) {
+  train(short_training(), run("first"), network());
+  NetworkTrainingOptions still = short_training();
+  still.learning_rate.learning_rate = 1e-12;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  train(still, second, network());
+  const LoadedNetwork first_network = load_network(folder_ / "first.pt");
+  const LoadedNetwork second_network = load_network(folder_ / "second.pt");
+  const std::vector<torch::Tensor> expected = first_network.network->parameters();
+  const std::vector<torch::Tensor> begun = second_network.network->parameters();
+  ASSERT_EQ(begun.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_TRUE(torch::equal(begun[i], expected[i])) << i;
+}
+
+TEST_F(NetworkTraining, RefusesToBeginWithAModelOfAnotherKind) {
+  train(short_training(), run("first"));
+  NetworkOptions other = small_network();
+  other.patch.cube_mm = 300.0;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second, other); }),
+              AllOf(HasSubstr("first.pt"), HasSubstr("[network] or [patch] differs")));
+  second.initial = folder_ / "none.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second); }), HasSubstr("none.pt"));
+}
+
 TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {
   NetworkTrainingOptions options = short_training();
   train(options, run());

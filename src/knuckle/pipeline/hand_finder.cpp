@@ -61,6 +61,11 @@ Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Poin
   return segmenter_->segment(frame, start);
 }
 
+Frame as_right_hand(Frame frame, const HandOptions& options) {
+  const bool is_left = frame.side ? *frame.side == HandSide::left : options.is_left();
+  return is_left ? mirrored(frame) : std::move(frame);
+}
+
 HandRegion mirrored(const HandRegion& region, int width) {
   HandRegion result = region;
   result.box.x = width - region.box.right();

@@ -45,6 +45,9 @@ class HandFinder {
   std::unique_ptr<Segmenter> segmenter_;
 };
 
+/// The frame as it shows a right hand: in a mirror where it shows a left one. Where the source does not say
+/// which it is, `options` does.
+Frame as_right_hand(Frame frame, const HandOptions& options);
 /// The region seen in a mirrored image that is `width` pixels wide.
 HandRegion mirrored(const HandRegion& region, int width);
 /// A point in the coordinates of the mirrored camera.

@@ -53,7 +53,7 @@ class SampleCollector {
 
  private:
   void add(std::int64_t index, Frame frame) {
-    if (finder_.hand().is_left()) frame = mirrored(frame);
+    frame = as_right_hand(std::move(frame), finder_.hand());
     const HandPose truth =
         frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
     const std::optional<Point3> middle = mean_joint(frame, truth);

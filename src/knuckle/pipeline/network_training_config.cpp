@@ -42,6 +42,7 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   const OptionTable document = OptionTable::load(path);
   NetworkTrainingConfig config{.source = source_in(document, "source"),
                                .validation = source_in(document, "validation"),
+                               .initial = {},
                                .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
                                .finder = HandFinder(document),
                                .samples = {},
@@ -49,6 +50,8 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
                                .augmentation = {},
                                .training = {},
                                .resolved_options = {}};
+  const std::string initial = document.text_or("initial", "");
+  if (!initial.empty()) config.initial = document.resolved_path(initial);
   document.table("patch").read(config.network.patch);
   document.table("samples").read(config.samples);
   document.table("network").read(config.network);
@@ -71,8 +74,10 @@ NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config,
   const NetworkSamples validation = network_samples(config.validation, config.finder, options);
   options.most = config.samples.most;
   const NetworkSamples training = network_samples(config.source, config.finder, options);
+  NetworkTrainingRun begun = run;
+  begun.initial = config.initial;
   return {train_network(config.network, config.training, config.augmentation, training.samples,
-                        validation.samples, run),
+                        validation.samples, begun),
           training.frames, validation.frames};
 }
 

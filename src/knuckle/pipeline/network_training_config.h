@@ -24,8 +24,9 @@ struct NetworkSampleOptions {
 /// A configuration of `train network`: where frames come from, how hands are cut out of them, what is trained
 /// and how.
 ///
-///     source = "synthetic:../manifests/train_network.toml"          # any source; a relative path starts
-///     here validation = "synthetic:../manifests/validate_network.toml"   # frames that are not trained on
+///     source = "synthetic:../manifests/train_network.toml"  # any source; a relative path starts here
+///     validation = "synthetic:../manifests/validate_network.toml"  # frames that are not trained on
+///     initial = "../models/dense.pt"  # begin with its weights; without this line with random ones
 ///     start = "nearest"             # nearest | truth: where segmentation starts
 ///     [hand]                        # as in a pipeline file
 ///     [segmentation]
@@ -37,6 +38,7 @@ struct NetworkSampleOptions {
 struct NetworkTrainingConfig {
   std::string source;
   std::string validation;
+  std::filesystem::path initial;  ///< empty: random weights
   Start start = Start::nearest;
   HandFinder finder;
   NetworkSampleOptions samples;

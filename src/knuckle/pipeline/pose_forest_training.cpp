@@ -48,7 +48,7 @@ class PatchCollector {
 
  private:
   void add(std::int64_t index, Frame frame) {
-    if (config_.finder.hand().is_left()) frame = mirrored(frame);
+    frame = as_right_hand(std::move(frame), config_.finder.hand());
     const Segmentation found = config_.finder.find_right(frame, start_in(frame, config_.start));
     const auto patch = found.hands.empty() ? std::nullopt : extractor_.extract(frame, found.hands.front());
     if (!patch || !frame.truth) {

@@ -102,7 +102,7 @@ PixelSamples collect(const FrameSource& source, const std::vector<std::int64_t>&
     Frame frame = source.read(number);
     if (frame.mask.empty()) fail("{}: frame {} has no mask to train on", config.source, frame.name);
     if (config.pixels.wrist_mm > 0.0) add_wrist(frame, config.pixels.wrist_mm, config.source);
-    if (config.hand.is_left()) frame = mirrored(frame);
+    frame = as_right_hand(std::move(frame), config.hand);
     const Random random(derived_seed(config.pixels.seed, kPixelStreams), static_cast<std::uint64_t>(number));
     const std::vector<LabelledPixel> drawn = drawn_pixels(frame, config.pixels, random);
     bytes += static_cast<std::int64_t>(samples.set(i, frame.depth_mm, frame.camera, drawn));

@@ -84,6 +84,21 @@ TEST_F(SegmentationForestTrainingTest, ALeftHandsForestIsThatOfTheMirroredFrames
             left.forest.probability(frame.depth_mm, frame.camera));
 }
 
+TEST(AsRightHand, TheSourceKnowsBetterThanTheOptions) {
+  Frame frame;
+  frame.depth_mm = Image<float>(2, 1);
+  frame.depth_mm(0, 0) = 500.0f;
+  frame.camera = {.width = 2, .height = 1, .fx = 1, .fy = 1, .cx = 0.5, .cy = 0};
+  const auto is_mirrored = [&](std::optional<HandSide> side, const std::string& option) {
+    frame.side = side;
+    return as_right_hand(frame, {.side = option, .max_hands = 1}).depth_mm(1, 0) == 500.0f;
+  };
+  EXPECT_FALSE(is_mirrored(std::nullopt, "right"));
+  EXPECT_TRUE(is_mirrored(std::nullopt, "left"));
+  EXPECT_FALSE(is_mirrored(HandSide::right, "left"));
+  EXPECT_TRUE(is_mirrored(HandSide::left, "right"));
+}
+
 TEST_F(SegmentationForestTrainingTest, TakesAShareOfTheFrames) {
   write_source("set");
   const auto trained =

@@ -95,79 +95,120 @@ HandSet::HandSet(std::span<const HandJoints> hands)
   }
 }
 
-/// The best rotation is the quaternion that belongs to the largest eigenvalue of Horn's 4 x 4 matrix
-/// ("Closed-form solution of absolute orientation using unit quaternions", 1987). Newton's method finds the
-/// eigenvalue from above, and a column of the adjoint of what is left is the eigenvector (Theobald, "Rapid
-/// calculation of RMSDs using a quaternion-based characteristic polynomial", 2005). As both shapes have size
-/// 1, the eigenvalue is the best scale, too.
-HandSet::Lanes HandSet::distances(const Block& block, const Target& target) {
-  std::array<LanePoint, 3> s;  // sums of products: row by the hand's axis, column by the target's
-  for (LanePoint& row : s) row.fill(Lanes::Zero());
+namespace {
+
+using Lanes = HandSet::Lanes;
+using LanePoint = HandSet::LanePoint;
+using LaneMatrix = std::array<LanePoint, 3>;
+
+/// Sums of products of coordinates: row by the hand's axis, column by the target's.
+template <class Block, class Target>
+LaneMatrix sums_of_products(const Block& block, const Target& target) {
+  LaneMatrix sums;
+  for (LanePoint& row : sums) row.fill(Lanes::Zero());
   for (int k = 0; k < kHandJoints; ++k) {
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) s[a][b] += block.joints[k][a] * target.joints[k][b];
+      for (int b = 0; b < 3; ++b) sums[a][b] += block.joints[k][a] * target.joints[k][b];
     }
   }
-  const Lanes k01 = s[1][2] - s[2][1];
-  const Lanes k02 = s[2][0] - s[0][2];
-  const Lanes k03 = s[0][1] - s[1][0];
-  const Lanes k12 = s[0][1] + s[1][0];
-  const Lanes k13 = s[2][0] + s[0][2];
-  const Lanes k23 = s[1][2] + s[2][1];
-  const Lanes k00 = s[0][0] + s[1][1] + s[2][2];
-  const Lanes k11 = s[0][0] - s[1][1] - s[2][2];
-  const Lanes k22 = -s[0][0] + s[1][1] - s[2][2];
-  const Lanes k33 = -s[0][0] - s[1][1] + s[2][2];
+  return sums;
+}
 
-  // The characteristic polynomial x^4 + c2 x^2 + c1 x + c0: the matrix has no trace.
+Lanes determinant(const LaneMatrix& m) {
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+Lanes squared_norm(const LaneMatrix& m) {
   Lanes squares = Lanes::Zero();
-  for (const LanePoint& row : s) squares += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
-  const Lanes c2 = -2.0f * squares;
-  const Lanes c1 = -8.0f * (s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) -
-                            s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0]) +
-                            s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]));
-  // Its last coefficient is the determinant, by 2 x 2 minors of the upper and the lower two rows.
-  const auto determinant = [&](const Lanes& x) -> Lanes {
-    const Lanes a = k00 - x;
-    const Lanes b = k11 - x;
-    const Lanes c = k22 - x;
-    const Lanes d = k33 - x;
-    return (a * b - k01 * k01) * (c * d - k23 * k23) - (a * k12 - k02 * k01) * (k12 * d - k23 * k13) +
-           (a * k13 - k03 * k01) * (k12 * k23 - c * k13) + (k01 * k12 - k02 * b) * (k02 * d - k23 * k03) -
-           (k01 * k13 - k03 * b) * (k02 * k23 - c * k03) + (k02 * k13 - k03 * k12) * (k02 * k13 - k12 * k03);
-  };
-  const Lanes c0 = determinant(Lanes::Zero());
+  for (const LanePoint& row : m) squares += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+  return squares;
+}
+
+/// Horn's symmetric 4 x 4 matrix without trace, whose eigenvector of the largest eigenvalue is the quaternion
+/// of the best rotation ("Closed-form solution of absolute orientation using unit quaternions", 1987).
+struct HornMatrix {
+  Lanes k00, k11, k22, k33, k01, k02, k03, k12, k13, k23;
+
+  explicit HornMatrix(const LaneMatrix& s)
+      : k00(s[0][0] + s[1][1] + s[2][2]),
+        k11(s[0][0] - s[1][1] - s[2][2]),
+        k22(-s[0][0] + s[1][1] - s[2][2]),
+        k33(-s[0][0] - s[1][1] + s[2][2]),
+        k01(s[1][2] - s[2][1]),
+        k02(s[2][0] - s[0][2]),
+        k03(s[0][1] - s[1][0]),
+        k12(s[0][1] + s[1][0]),
+        k13(s[2][0] + s[0][2]),
+        k23(s[1][2] + s[2][1]) {}
+
+  /// By 2 x 2 minors of the upper and the lower two rows.
+  Lanes determinant() const {
+    return (k00 * k11 - k01 * k01) * (k22 * k33 - k23 * k23) -
+           (k00 * k12 - k02 * k01) * (k12 * k33 - k23 * k13) +
+           (k00 * k13 - k03 * k01) * (k12 * k23 - k22 * k13) +
+           (k01 * k12 - k02 * k11) * (k02 * k33 - k23 * k03) -
+           (k01 * k13 - k03 * k11) * (k02 * k23 - k22 * k03) +
+           (k02 * k13 - k03 * k12) * (k02 * k13 - k12 * k03);
+  }
+
+  /// An eigenvector, of any length: the first column of the adjoint of this matrix less `eigenvalue`
+  /// (Theobald, "Rapid calculation of RMSDs using a quaternion-based characteristic polynomial", 2005).
+  std::array<Lanes, 4> eigenvector(const Lanes& eigenvalue) const {
+    const Lanes b = k11 - eigenvalue;
+    const Lanes c = k22 - eigenvalue;
+    const Lanes d = k33 - eigenvalue;
+    const Lanes cd = c * d - k23 * k23;
+    const Lanes b3 = k12 * d - k23 * k13;
+    const Lanes b2 = k12 * k23 - c * k13;
+    const Lanes a3 = k02 * d - k23 * k03;
+    const Lanes a2 = k02 * k23 - c * k03;
+    const Lanes a1 = k02 * k13 - k12 * k03;
+    return {b * cd - k12 * b3 + k13 * b2, -(k01 * cd - k12 * a3 + k13 * a2), k01 * b3 - b * a3 + k13 * a1,
+            -(k01 * b2 - b * a2 + k12 * a1)};
+  }
+};
+
+/// The largest root of Horn's characteristic polynomial x^4 + c2 x^2 + c1 x + c0 by Newton's method from
+/// above: of shapes of size 1, no eigenvalue is larger than 1.
+Lanes largest_eigenvalue(const HornMatrix& matrix, const LaneMatrix& sums) {
   constexpr int kNewtonSteps = 8;
-  Lanes x = Lanes::Ones();  // no eigenvalue is larger
+  const Lanes c2 = -2.0f * squared_norm(sums);
+  const Lanes c1 = -8.0f * determinant(sums);
+  const Lanes c0 = matrix.determinant();
+  Lanes x = Lanes::Ones();
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Lanes x2 = x * x;
     const Lanes b = (x2 + c2) * x;
     const Lanes a = b + c1;
     x -= (a * x + c0) / (2.0f * x2 * x + b + a).max(1e-12f);
   }
+  return x;
+}
 
-  // First column of the adjoint of (matrix - x).
-  const Lanes b = k11 - x;
-  const Lanes c = k22 - x;
-  const Lanes d = k33 - x;
-  const Lanes cd = c * d - k23 * k23;
-  const Lanes b3 = k12 * d - k23 * k13;
-  const Lanes b2 = k12 * k23 - c * k13;
-  Lanes q0 = b * cd - k12 * b3 + k13 * b2;
-  Lanes q1 = -(k01 * cd - k12 * (k02 * d - k23 * k03) + k13 * (k02 * k23 - c * k03));
-  Lanes q2 = k01 * b3 - b * (k02 * d - k23 * k03) + k13 * (k02 * k13 - k12 * k03);
-  Lanes q3 = -(k01 * b2 - b * (k02 * k23 - c * k03) + k12 * (k02 * k13 - k12 * k03));
-  const Lanes norm = (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3).max(1e-30f);
-  const Lanes scale = x / norm;
+/// `scale` times the rotation of a quaternion of any length.
+LaneMatrix scaled_rotation(const std::array<Lanes, 4>& q, const Lanes& scale) {
+  const Lanes squares = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  const Lanes one = scale / squares.max(1e-30f);
+  const Lanes two = 2.0f * one;
+  return {LanePoint{one * (q[0] * q[0] + q[1] * q[1] - q[2] * q[2] - q[3] * q[3]),
+                    two * (q[1] * q[2] - q[0] * q[3]), two * (q[1] * q[3] + q[0] * q[2])},
+          LanePoint{two * (q[1] * q[2] + q[0] * q[3]),
+                    one * (q[0] * q[0] - q[1] * q[1] + q[2] * q[2] - q[3] * q[3]),
+                    two * (q[2] * q[3] - q[0] * q[1])},
+          LanePoint{two * (q[1] * q[3] - q[0] * q[2]), two * (q[2] * q[3] + q[0] * q[1]),
+                    one * (q[0] * q[0] - q[1] * q[1] - q[2] * q[2] + q[3] * q[3])}};
+}
 
-  // Scaled rotation, hand to target.
-  const std::array<LanePoint, 3> turn = {
-      LanePoint{scale * (q0 * q0 + q1 * q1 - q2 * q2 - q3 * q3), scale * 2.0f * (q1 * q2 - q0 * q3),
-                scale * 2.0f * (q1 * q3 + q0 * q2)},
-      LanePoint{scale * 2.0f * (q1 * q2 + q0 * q3), scale * (q0 * q0 - q1 * q1 + q2 * q2 - q3 * q3),
-                scale * 2.0f * (q2 * q3 - q0 * q1)},
-      LanePoint{scale * 2.0f * (q1 * q3 - q0 * q2), scale * 2.0f * (q2 * q3 + q0 * q1),
-                scale * (q0 * q0 - q1 * q1 - q2 * q2 + q3 * q3)}};
+}  // namespace
+
+/// As both shapes have size 1, the largest eigenvalue of Horn's matrix is the best scale, too.
+HandSet::Lanes HandSet::distances(const Block& block, const Target& target) {
+  const LaneMatrix sums = sums_of_products(block, target);
+  const HornMatrix matrix(sums);
+  const Lanes scale = largest_eigenvalue(matrix, sums);
+  const LaneMatrix turn = scaled_rotation(matrix.eigenvector(scale), scale);
   Lanes sum = Lanes::Zero();
   for (int k = 0; k < kHandJoints; ++k) {
     Lanes square = Lanes::Zero();

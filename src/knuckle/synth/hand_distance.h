@@ -38,6 +38,11 @@ struct NearestHand {
 /// their palms, eight beside one another.
 class HandSet {
  public:
+  static constexpr int kLanes = 8;
+  /// One number of each of eight hands.
+  using Lanes = Eigen::Array<float, kLanes, 1>;
+  using LanePoint = std::array<Lanes, 3>;
+
   explicit HandSet(std::span<const HandJoints> hands);
 
   std::size_t size() const { return size_; }
@@ -47,9 +52,6 @@ class HandSet {
   NearestHand nearest(const HandJoints& target) const;
 
  private:
-  static constexpr int kLanes = 8;
-  using Lanes = Eigen::Array<float, kLanes, 1>;
-  using LanePoint = std::array<Lanes, 3>;
   struct Block {
     std::array<LanePoint, kHandJoints> joints;
   };
