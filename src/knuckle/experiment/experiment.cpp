@@ -106,6 +106,7 @@ class Experiment {
     StepInputs inputs;
     inputs.add("kind", model.kind).add_content("config", training.config);
     for (const std::string& source : training.sources) inputs.add_source("source", source);
+    for (const std::filesystem::path& file : training.models) inputs.add_content("model", file);
     run_step(out, inputs, [&](StepStart start) {
       fmt::print("training {}\n", model.file);
       const Stopwatch watch;

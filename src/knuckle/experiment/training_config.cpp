@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -127,9 +128,13 @@ ReadConfig read_config(std::string_view kind, const std::filesystem::path& path)
   fail("no training of the kind '{}'", kind);
 }
 
-void make_model_path_absolute(toml::table& config, const std::filesystem::path& folder) {
-  toml::value<std::string>* const model = config.at_path("segmentation.model").as_string();
-  if (model != nullptr) *model = std::filesystem::absolute(folder / model->get()).string();
+/// Makes the path under `key`, where there is one, absolute, and returns it.
+std::optional<std::filesystem::path> absolute_path_in(toml::table& config, std::string_view key,
+                                                      const std::filesystem::path& folder) {
+  toml::value<std::string>* const text = config.at_path(key).as_string();
+  if (text == nullptr || text->get().empty()) return std::nullopt;
+  *text = std::filesystem::absolute(folder / text->get()).string();
+  return text->get();
 }
 
 }  // namespace
@@ -138,8 +143,13 @@ ScaledTraining write_scaled_training(std::string_view kind, const std::filesyste
                                      const std::filesystem::path& config) {
   const ReadConfig read = read_config(kind, original);
   toml::table document = toml::parse(read.resolved_options);
-  make_model_path_absolute(document, original.parent_path());
-  ScaledTraining training{config, {}};
+  ScaledTraining training{config, {}, {}};
+  // Weights to start from do not fit a smaller network.
+  if (s < 1.0 && document.contains("initial")) document.insert_or_assign("initial", "");
+  for (const char* key : {"segmentation.model", "initial"}) {
+    if (const auto model = absolute_path_in(document, key, original.parent_path()))
+      training.models.push_back(*model);
+  }
   for (const auto& [key, source] : read.sources) {
     training.sources.push_back(scaled_source(source, s, config, key));
     document.insert_or_assign(key, training.sources.back());

@@ -11,7 +11,8 @@ namespace knuckle {
 /// What a training is told: a configuration of `knuckle train KIND`, made small.
 struct ScaledTraining {
   std::filesystem::path config;
-  std::vector<std::string> sources;  ///< that its frames come from
+  std::vector<std::string> sources;           ///< that its frames come from
+  std::vector<std::filesystem::path> models;  ///< that it starts from
 };
 
 /// Writes the configuration `original` of a training of the kind `kind` at scale `s` (scale.h; the table of
