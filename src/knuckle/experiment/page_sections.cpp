@@ -22,19 +22,43 @@ void add(std::string& html, fmt::format_string<Arguments...> format, Arguments&&
 /// A number of one method on one sequence.
 using Measure = std::function<double(const SequenceScores& sequence, std::size_t method)>;
 
+std::vector<std::string> method_heads_of(const std::vector<std::string>& methods) {
+  std::vector<std::string> heads;
+  for (std::size_t i = 0; i < methods.size(); ++i) heads.push_back(method_head(methods[i], i));
+  return heads;
+}
+
 /// Methods x sequences.
 std::string methods_table(const ExperimentScores& scores, const std::string& title,
                           const std::vector<std::string>& methods, int digits, Better better,
                           const Measure& measure) {
-  std::vector<std::string> heads;
-  for (std::size_t i = 0; i < methods.size(); ++i) heads.push_back(method_head(methods[i], i));
   std::vector<NumberColumn> columns;
   for (const SequenceScores& sequence : scores.sequences) {
     NumberColumn column{html_escaped(sequence.title), {}, digits, better};
     for (std::size_t i = 0; i < methods.size(); ++i) column.values.push_back(measure(sequence, i));
     columns.push_back(column);
   }
-  return fmt::format("<h3>{}</h3>\n", title) + number_table("method", heads, columns);
+  return fmt::format("<h3>{}</h3>\n", title) + number_table("method", method_heads_of(methods), columns);
+}
+
+/// Frames with all joints within each of some distances: methods x (sequences x distances).
+std::string all_joints_table(const ExperimentScores& scores, const std::vector<std::string>& methods) {
+  std::vector<NumberColumn> columns;
+  for (const SequenceScores& sequence : scores.sequences) {
+    for (std::size_t k = 0; k < kTableThresholdsMm.size(); ++k) {
+      NumberColumn column{
+          .head = fmt::format("{}<br>&le; {} mm", html_escaped(sequence.title), kTableThresholdsMm[k]),
+          .values = {},
+          .digits = 1,
+          .better = Better::higher};
+      for (const MethodScore& score : sequence.evaluation->methods) {
+        column.values.push_back(100.0 * score.frames_all_joints_within[k]);
+      }
+      columns.push_back(column);
+    }
+  }
+  return "<h3>Frames with all joints within a distance (%)</h3>\n" +
+         number_table("method", method_heads_of(methods), columns);
 }
 
 std::vector<std::string> segmentation_names(const ExperimentScores& scores) {
@@ -194,13 +218,7 @@ std::string figure5_section(const ExperimentScores& scores, const DrawnFigure5& 
       "finger "
       "that is wrong spoils the frame. Higher is better.</p>\n";
   html += figure_grid(rows.all_joints_within);
-  for (std::size_t k = 0; k < kTableThresholdsMm.size(); ++k) {
-    html +=
-        methods_table(scores, fmt::format("Frames with all joints within {} mm (%)", kTableThresholdsMm[k]),
-                      methods, 1, Better::higher, [&](const auto& sequence, std::size_t i) {
-                        return 100.0 * score(sequence, i).frames_all_joints_within[k];
-                      });
-  }
+  html += all_joints_table(scores, methods);
   return html;
 }
 

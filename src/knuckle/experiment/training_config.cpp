@@ -38,7 +38,7 @@ constexpr std::array kRules{
     ScaleRule{"samples", "most", Scaling::amount, kFewestTrainingFrames},
     ScaleRule{"samples", "most_validation", Scaling::amount, kFewestTrainingFrames},
     ScaleRule{"training", "epochs", Scaling::size, 1},
-    ScaleRule{"training", "validate_every", Scaling::amount, 10},
+    ScaleRule{"training", "validate_every", Scaling::size, 10},
     ScaleRule{"network", "hidden_units", Scaling::size, 32},
     ScaleRule{"network", "first_maps", Scaling::size, 4},
     ScaleRule{"network", "second_maps", Scaling::size, 4},
