@@ -7,8 +7,8 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/estimate/pose_forest.h"
+#include "knuckle/experiment/network_config.h"
 #include "knuckle/net/pose_network.h"
-#include "knuckle/pipeline/network_training_config.h"
 #include "knuckle/pipeline/pose_forest_training.h"
 #include "knuckle/segment/segmentation_forest.h"
 
@@ -41,7 +41,7 @@ void check_pose_forest(const std::filesystem::path& config_file, const std::file
 }
 
 void check_network(const std::filesystem::path& config_file, const std::filesystem::path& model) {
-  const NetworkOptions wanted = NetworkTrainingConfig::load(config_file).network;
+  const NetworkOptions wanted = NetworkConfig::load(config_file).network;
   const NetworkOptions found = PoseNetwork(model).options();
   const ModelCheck check(model, config_file);
   check.expect("architecture", found.architecture, wanted.architecture);

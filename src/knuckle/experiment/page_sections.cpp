@@ -41,13 +41,20 @@ std::string methods_table(const ExperimentScores& scores, const std::string& tit
   return fmt::format("<h3>{}</h3>\n", title) + number_table("method", method_heads_of(methods), columns);
 }
 
+/// A title as narrow HTML: a line a word.
+std::string in_lines(const std::string& title) {
+  std::vector<std::string> words;
+  for (const std::string_view word : split(title, ' ')) words.push_back(html_escaped(word));
+  return joined(words, "<br>");
+}
+
 /// Frames with all joints within each of some distances: methods x (sequences x distances).
 std::string all_joints_table(const ExperimentScores& scores, const std::vector<std::string>& methods) {
   std::vector<NumberColumn> columns;
   for (const SequenceScores& sequence : scores.sequences) {
     for (std::size_t k = 0; k < kTableThresholdsMm.size(); ++k) {
       NumberColumn column{
-          .head = fmt::format("{}<br>&le; {} mm", html_escaped(sequence.title), kTableThresholdsMm[k]),
+          .head = fmt::format("{}<br>&le; {} mm", in_lines(sequence.title), kTableThresholdsMm[k]),
           .values = {},
           .digits = 1,
           .better = Better::higher};

@@ -9,11 +9,10 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
 #include "knuckle/data/source_spec.h"
+#include "knuckle/experiment/network_config.h"
 #include "knuckle/experiment/scale.h"
-#include "knuckle/pipeline/network_training_config.h"
 #include "knuckle/pipeline/pose_forest_training.h"
 #include "knuckle/pipeline/segmentation_forest_training.h"
 #include "knuckle/synth/manifest.h"
@@ -106,26 +105,29 @@ std::string scaled_source(const std::string& source, double s, const std::filesy
   return with_path(fewer, manifest);
 }
 
-/// A configuration as its own reader understands it.
+/// A configuration with its defaults, as far as rules speak of them.
 struct ReadConfig {
-  std::string resolved_options;
+  toml::table document;
   std::vector<std::pair<std::string, std::string>> sources;  ///< key and source
 };
 
+ReadConfig read_network_config(const std::filesystem::path& path) {
+  const auto config = NetworkConfig::load(path);
+  toml::table document = toml::parse(read_text_file(path));
+  document.insert_or_assign("network", toml::parse(options_as_toml(config.network)));
+  return {std::move(document), {{"source", config.source}, {"validation", config.validation}}};
+}
+
+template <class Config>
+ReadConfig read_forest_config(const std::filesystem::path& path) {
+  const auto config = Config::load(path);
+  return {toml::parse(config.resolved_options), {{"source", config.source}}};
+}
+
 ReadConfig read_config(std::string_view kind, const std::filesystem::path& path) {
-  if (kind == "network") {
-    const auto config = NetworkTrainingConfig::load(path);
-    return {config.resolved_options, {{"source", config.source}, {"validation", config.validation}}};
-  }
-  if (kind == "pose-forest") {
-    const auto config = PoseForestTrainingConfig::load(path);
-    return {config.resolved_options, {{"source", config.source}}};
-  }
-  if (kind == "segmentation-forest") {
-    const auto config = SegmentationForestTrainingConfig::load(path);
-    return {config.resolved_options, {{"source", config.source}}};
-  }
-  fail("no training of the kind '{}'", kind);
+  if (kind == "network") return read_network_config(path);
+  if (kind == "pose-forest") return read_forest_config<PoseForestTrainingConfig>(path);
+  return read_forest_config<SegmentationForestTrainingConfig>(path);
 }
 
 /// Makes the path under `key`, where there is one, absolute, and returns it.
@@ -141,8 +143,8 @@ std::optional<std::filesystem::path> absolute_path_in(toml::table& config, std::
 
 ScaledTraining write_scaled_training(std::string_view kind, const std::filesystem::path& original, double s,
                                      const std::filesystem::path& config) {
-  const ReadConfig read = read_config(kind, original);
-  toml::table document = toml::parse(read.resolved_options);
+  ReadConfig read = read_config(kind, original);
+  toml::table& document = read.document;
   ScaledTraining training{config, {}, {}};
   // Weights to start from do not fit a smaller network.
   if (s < 1.0 && document.contains("initial")) document.insert_or_assign("initial", "");

@@ -16,7 +16,7 @@ struct ScaledTraining {
 };
 
 /// Writes the configuration `original` of a training of the kind `kind` at scale `s` (scale.h; the table of
-/// rules is in training_config.cpp) as `config`, with all defaults filled in and all paths absolute.
+/// rules is in training_config.cpp) as `config`, with all paths absolute.
 /// Manifests of synthetic frames, which then show fewer people, are written beside it. A file that would stay
 /// the same is left alone. Throws an Error that names the original, line and key where that is wrong.
 ScaledTraining write_scaled_training(std::string_view kind, const std::filesystem::path& original, double s,

@@ -5,7 +5,7 @@
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/data/source_spec.h"
-#include "knuckle/pipeline/network_training_config.h"
+#include "knuckle/experiment/network_config.h"
 #include "knuckle/pipeline/pose_forest_training.h"
 #include "knuckle/pipeline/segmentation_forest_training.h"
 #include "knuckle/synth/manifest.h"
@@ -29,20 +29,19 @@ class TrainingConfigTest : public ::testing::Test {
 };
 
 TEST_F(TrainingConfigTest, TheWholeAsksForTheSame) {
-  const auto original = NetworkTrainingConfig::load(resource_path("pipelines/train_pca.toml"));
-  const auto config = scaled<NetworkTrainingConfig>("network", "pipelines/train_pca.toml", 1.0);
-  EXPECT_EQ(options_as_toml(config.training), options_as_toml(original.training));
-  EXPECT_EQ(options_as_toml(config.network), options_as_toml(original.network));
-  EXPECT_EQ(options_as_toml(config.augmentation), options_as_toml(original.augmentation));
-  EXPECT_EQ(options_as_toml(config.samples), options_as_toml(original.samples));
+  const auto original = NetworkConfig::load(resource_path("pipelines/train_pca.toml"));
+  const auto config = scaled<NetworkConfig>("network", "pipelines/train_pca.toml", 1.0);
+  EXPECT_EQ(network_options_as_toml(config.network), network_options_as_toml(original.network));
+  EXPECT_THAT(read_text_file(training_.config), HasSubstr("epochs = 4"));
   EXPECT_TRUE(std::filesystem::equivalent(parse_source_spec(config.source).path,
                                           parse_source_spec(original.source).path));
 }
 
 TEST_F(TrainingConfigTest, ANetworkBecomesSmall) {
-  const auto config = scaled<NetworkTrainingConfig>("network", "pipelines/train_regression.toml", 0.01);
-  EXPECT_EQ(config.samples.most, 1000);
-  EXPECT_DOUBLE_EQ(config.training.epochs, 1.0);
+  const auto config = scaled<NetworkConfig>("network", "pipelines/train_regression.toml", 0.01);
+  const std::string text = read_text_file(training_.config);
+  EXPECT_THAT(text, HasSubstr("most = 1000"));
+  EXPECT_THAT(text, HasSubstr("epochs = 1\n"));
   EXPECT_EQ(config.network.paper.hidden_units, 410);
   EXPECT_EQ(config.network.paper.subspace_units, 20) << "what is learned stays the same";
   EXPECT_EQ(config.network.patch.size_px, 96);
@@ -67,7 +66,7 @@ TEST_F(TrainingConfigTest, ForestsBecomeSmall) {
 }
 
 TEST_F(TrainingConfigTest, AScaledManifestShowsTheSameFramesOfFewerPeople) {
-  const auto config = scaled<NetworkTrainingConfig>("network", "pipelines/train_dense.toml", 0.01);
+  const auto config = scaled<NetworkConfig>("network", "pipelines/train_dense.toml", 0.01);
   const Manifest small = load_manifest(parse_source_spec(config.source).path);
   const Manifest whole = load_manifest(resource_path("manifests/train_network.toml"));
   EXPECT_EQ(small.seed, whole.seed);
@@ -77,11 +76,11 @@ TEST_F(TrainingConfigTest, AScaledManifestShowsTheSameFramesOfFewerPeople) {
 }
 
 TEST_F(TrainingConfigTest, AFileThatStaysTheSameIsLeftAlone) {
-  scaled<NetworkTrainingConfig>("network", "pipelines/train_dense.toml", 0.1);
+  scaled<NetworkConfig>("network", "pipelines/train_dense.toml", 0.1);
   const auto time = std::filesystem::last_write_time(folder_ / "model.toml");
-  scaled<NetworkTrainingConfig>("network", "pipelines/train_dense.toml", 0.1);
+  scaled<NetworkConfig>("network", "pipelines/train_dense.toml", 0.1);
   EXPECT_EQ(std::filesystem::last_write_time(folder_ / "model.toml"), time);
-  scaled<NetworkTrainingConfig>("network", "pipelines/train_dense.toml", 0.2);
+  scaled<NetworkConfig>("network", "pipelines/train_dense.toml", 0.2);
   EXPECT_NE(std::filesystem::last_write_time(folder_ / "model.toml"), time);
 }
 
