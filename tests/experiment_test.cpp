@@ -2,8 +2,6 @@
 // `knuckle experiment`: from data to report, and only what must be redone.
 #include "program.h"
 
-#include <map>
-
 #include "knuckle/core/file_io.h"
 
 namespace knuckle::testing {
@@ -49,15 +47,6 @@ class ExperimentTest : public ::testing::Test {
 
   std::string read(const std::string& name) const { return read_text_file(out_ / name); }
 
-  /// When each file was last written.
-  std::map<std::filesystem::path, std::filesystem::file_time_type> times() const {
-    std::map<std::filesystem::path, std::filesystem::file_time_type> times;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(out_)) {
-      if (entry.is_regular_file()) times[entry.path()] = entry.last_write_time();
-    }
-    return times;
-  }
-
   TemporaryFolder folder_;
   std::filesystem::path out_ = std::filesystem::path(folder_ / "out");
 };
@@ -78,23 +67,21 @@ TEST_F(ExperimentTest, GoesFromDataToReport) {
 
 TEST_F(ExperimentTest, ASecondRunDoesNothing) {
   ASSERT_THAT(run(), Succeeded());
-  const auto before = times();
+  const auto before = write_times(out_);
   const ProgramRun again = run();
   ASSERT_THAT(again, Succeeded());
   EXPECT_THAT(again.out, Not(HasSubstr("training")));
-  EXPECT_EQ(times(), before);
+  EXPECT_EQ(write_times(out_), before);
 }
 
 TEST_F(ExperimentTest, RedoesOnlyWhatAChangeTouches) {
   ASSERT_THAT(run(), Succeeded());
-  const auto before = times();
+  const auto before = write_times(out_);
   write_text_file(folder_ / "mean_shift.toml",
                   "[segmentation]\nmethod = \"mean_shift\"\nbandwidth_mm = 12.0\n");
   ASSERT_THAT(run(), Succeeded());
-  const auto after = times();
-  const auto is_redone = [&](const std::string& file) {
-    return after.at(out_ / file) != before.at(out_ / file);
-  };
+  const auto after = write_times(out_);
+  const auto is_redone = [&](const std::string& file) { return after.at(file) != before.at(file); };
   EXPECT_TRUE(is_redone("scene/boxes/mean_shift.csv"));
   EXPECT_TRUE(is_redone("report.html"));
   EXPECT_FALSE(is_redone("scene/boxes/threshold.csv"));

@@ -51,15 +51,6 @@ std::map<std::string, std::string> results(const fs::path& out) {
   return files;
 }
 
-/// When each file was last written.
-std::map<std::string, fs::file_time_type> times(const fs::path& out) {
-  std::map<std::string, fs::file_time_type> times;
-  for (const auto& entry : fs::recursive_directory_iterator(out)) {
-    if (entry.is_regular_file()) times[fs::relative(entry.path(), out).string()] = entry.last_write_time();
-  }
-  return times;
-}
-
 std::size_t steps_done(const fs::path& out) {
   if (!fs::exists(out)) return 0;
   std::size_t count = 0;
@@ -140,10 +131,10 @@ TEST_F(Scia15Test, IsWholeDoesNothingTwiceAndRedoesWhatHangsOnAChange) {
   ASSERT_THAT(run_program(command("out")), Succeeded());
   expect_whole(out);
 
-  const auto before = times(out);
+  const auto before = write_times(out);
   const ProgramRun again = run_program(command("out"));
   ASSERT_THAT(again, Succeeded());
-  EXPECT_EQ(times(out), before);
+  EXPECT_EQ(write_times(out), before);
   EXPECT_THAT(again.out, Not(HasSubstr("ing ")));
 
   const fs::path pipeline = folder_ / "experiments/scia15/pca.toml";
@@ -152,7 +143,7 @@ TEST_F(Scia15Test, IsWholeDoesNothingTwiceAndRedoesWhatHangsOnAChange) {
   write_text_file(pipeline, text);
   ASSERT_THAT(run_program(command("out")), Succeeded());
   std::vector<std::string> redone;
-  for (const auto& [name, time] : times(out)) {
+  for (const auto& [name, time] : write_times(out)) {
     if (name.ends_with(".inputs") && time != before.at(name)) redone.push_back(name);
   }
   EXPECT_THAT(redone,
