@@ -86,6 +86,7 @@ TEST(ClaimsTest, NamesWhatIsMissing) {
   SequenceScores scores = as_the_paper_says();
   scores.evaluation->methods.resize(5);  // no autoencoder
   scores.segmentation.erase(scores.segmentation.begin());
+  scores.segmentation_ms.erase(scores.segmentation_ms.begin());
   const std::vector<Claim> claims = scia15_claims({{scores}, {}});
   EXPECT_EQ(claims.at(0).verdict, Verdict::unknown);
   EXPECT_THAT(claims.at(0).evidence, ElementsAre(HasSubstr("lacks the segmentation \"threshold\"")));

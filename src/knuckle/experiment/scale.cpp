@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/core/error.h"
 #include "knuckle/data/source_spec.h"
 #include "knuckle/pipeline/open_source.h"
+#include "knuckle/synth/manifest.h"
 
 namespace knuckle {
 namespace {
@@ -27,8 +29,13 @@ std::string text_of(const SourceSpec& spec) {
   return text;
 }
 
-std::int64_t frames_of(const std::string& source) {
-  return open_source(source)->size();
+/// Synthetic frames are counted without the body that they show, which takes a while to load.
+std::int64_t frames_of(const SourceSpec& spec) {
+  if (spec.kind != "synthetic") return open_source(spec.text)->size();
+  const std::int64_t all = load_manifest(spec.path).frames;
+  const FrameSelection& taken = spec.selection;
+  if (taken.first >= all) fail("{}: of {} frames none is left", spec.text, all);
+  return std::min<std::int64_t>(taken.count, (all - taken.first + taken.step - 1) / taken.step);
 }
 
 }  // namespace
@@ -48,7 +55,7 @@ std::int64_t scaled_count(std::int64_t value, Scaling how, double s, std::int64_
 std::string scaled_test_source(const std::string& source, double s) {
   if (s == 1.0) return source;
   SourceSpec spec = parse_source_spec(source);
-  const std::int64_t frames = frames_of(source);
+  const std::int64_t frames = frames_of(spec);
   const std::int64_t count = scaled_count(frames, Scaling::amount, s, kFewestTestFrames);
   spec.selection.count = static_cast<int>(count);
   spec.selection.step *= static_cast<int>(std::max<std::int64_t>(1, frames / count));
@@ -59,7 +66,7 @@ std::string scaled_training_source(const std::string& source, double s) {
   if (s == 1.0) return source;
   SourceSpec spec = parse_source_spec(source);
   spec.selection.count =
-      static_cast<int>(scaled_count(frames_of(source), Scaling::amount, s, kFewestTrainingFrames));
+      static_cast<int>(scaled_count(frames_of(spec), Scaling::amount, s, kFewestTrainingFrames));
   return text_of(spec);
 }
 
