@@ -10,6 +10,7 @@ find_package(tomlplusplus REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
+pkg_check_modules(ZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 
@@ -26,16 +27,3 @@ endforeach()
 add_library(knuckle_hdf5 INTERFACE IMPORTED GLOBAL)
 target_include_directories(knuckle_hdf5 INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_link_libraries(knuckle_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
-
-# LibTorch's CMake package asks for files that Debian leaves out, and warns of each: where it is Debian's, name the three
-# libraries ourselves. Elsewhere (LibTorch 2.x, with CUDA) CMAKE_PREFIX_PATH tells where it lies.
-add_library(knuckle_torch INTERFACE IMPORTED GLOBAL)
-find_path(TORCH_API_INCLUDE_FOLDER torch/torch.h PATHS /usr/include/torch/csrc/api/include NO_DEFAULT_PATH)
-if(TORCH_API_INCLUDE_FOLDER)
-  target_include_directories(knuckle_torch INTERFACE ${TORCH_API_INCLUDE_FOLDER})
-  target_link_libraries(knuckle_torch INTERFACE torch torch_cpu c10 ${CMAKE_DL_LIBS})
-else()
-  find_package(Torch REQUIRED)
-  target_include_directories(knuckle_torch INTERFACE ${TORCH_INCLUDE_DIRS})
-  target_link_libraries(knuckle_torch INTERFACE ${TORCH_LIBRARIES} ${CMAKE_DL_LIBS})
-endif()

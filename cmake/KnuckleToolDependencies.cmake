@@ -1,5 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-# What only the program, the tests and the benchmarks need.
+# What only the programs, the tests and the benchmarks need.
 find_package(CLI11 REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
+
+# LibTorch's CMake package asks for files that Debian leaves out, and warns of each: where it is Debian's, name the three
+# libraries ourselves. Elsewhere (LibTorch 2.x, with CUDA) CMAKE_PREFIX_PATH tells where it lies.
+add_library(knuckle_torch INTERFACE IMPORTED GLOBAL)
+find_path(TORCH_API_INCLUDE_FOLDER torch/torch.h PATHS /usr/include/torch/csrc/api/include NO_DEFAULT_PATH)
+if(TORCH_API_INCLUDE_FOLDER)
+  target_include_directories(knuckle_torch INTERFACE ${TORCH_API_INCLUDE_FOLDER})
+  target_link_libraries(knuckle_torch INTERFACE torch torch_cpu c10 ${CMAKE_DL_LIBS})
+else()
+  find_package(Torch REQUIRED)
+  target_include_directories(knuckle_torch INTERFACE ${TORCH_INCLUDE_DIRS})
+  target_link_libraries(knuckle_torch INTERFACE ${TORCH_LIBRARIES} ${CMAKE_DL_LIBS})
+endif()

@@ -11,9 +11,9 @@ for file in $(git ls-files '*.h' '*.cpp' '*.sh' '*.py' '*.cmake' '*CMakeLists.tx
 done
 
 # Tests are left to the compiler's warnings: GoogleTest's macros take clang-tidy many times longer than our code.
-# clang-tidy 14, Debian's, cannot read LibTorch's headers as C++20: the module net is left out.
+# clang-tidy 14, Debian's, cannot read LibTorch's headers as C++20: the module training is left out.
 # Neither are sources checked that this machine does not build, for lack of an optional library.
 is_built() { grep -qF "\"file\": \"$PWD/$1\"" build/release/compile_commands.json; }
-git ls-files 'src/*.cpp' 'bench/*.cpp' | grep -v -e '_test.cpp$' -e '/testing.cpp$' -e '^src/knuckle/net/' |
+git ls-files 'src/*.cpp' 'bench/*.cpp' | grep -v -e '_test.cpp$' -e '/testing.cpp$' -e '^src/knuckle/training/' |
   while read -r file; do if is_built "$file"; then echo "$file"; fi; done |
   xargs -P "$(nproc)" -n 4 clang-tidy --quiet -p build/release 2> >(grep -v 'warnings\? generated' >&2)

@@ -10,7 +10,7 @@ packages=(
   g++ cmake ninja-build pkg-config ccache clang-format clang-tidy gnuplot-nox fonts-dejavu-core python3 python3-numpy python3-h5py
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
-  libopenexr-dev libdeflate-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libopenexr-dev libdeflate-dev libxxhash-dev libzip-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
 )

@@ -37,6 +37,10 @@ def main(build):
         program = prefix / "bin/knuckle"
         pipeline = prefix / "share/knuckle/pipelines/default.toml"
         assert not list(prefix.rglob("*testing*")), "test files are installed"
+        assert (prefix / "bin/knuckle-train-network").exists()
+        # Only the program that trains networks needs LibTorch, nothing that a user of the library links.
+        assert b"libtorch" not in run("ldd", program), "knuckle loads LibTorch"
+        assert not list((prefix / "include").rglob("training")), "the module training is installed"
 
         # The frame is rendered from the source tree, which has the body; the pose comes from what was installed.
         frame = scratch / "frame.h5"
@@ -50,6 +54,7 @@ def main(build):
         run("cmake", "-S", PROJECT / "examples/depth_array", "-B", consumer, f"-DCMAKE_PREFIX_PATH={prefix}",
             "-DCMAKE_BUILD_TYPE=Release")
         run("cmake", "--build", consumer)
+        assert b"libtorch" not in run("ldd", consumer / "depth_array"), "a user of the library loads LibTorch"
         with h5py.File(frame) as file:
             depth = file["depth"][0].astype("float32") * float(file.attrs.get("depth_unit_mm", 1.0))
         found = numbers(run(consumer / "depth_array", pipeline, input=depth.tobytes()).decode())

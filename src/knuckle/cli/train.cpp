@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/cli/network_arguments.h"
+#include "knuckle/cli/sibling_program.h"
 #include "knuckle/cli/verb.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/eval/figures.h"
 #include "knuckle/forest/forest_growth.h"
-#include "knuckle/pipeline/network_training_config.h"
 #include "knuckle/pipeline/pose_forest_training.h"
 #include "knuckle/pipeline/segmentation_forest_training.h"
 #include "knuckle/pipeline/stopwatch.h"
@@ -73,83 +72,9 @@ void add_kind(CLI::App& train, const std::string& name, const std::string& descr
   verb.callback([arguments, run] { run(*arguments); });
 }
 
-struct NetworkArguments {
-  TrainArguments train;
-  std::string device = "cpu";
-  double minutes = 0.0;
-};
-
-void print_metrics(const TrainingMetrics& metrics) {
-  fmt::print(
-      "step {}: {} samples, loss {:.4f}, validation {:.2f} mm at first, {:.2f} mm at second look; {:.0f} "
-      "samples/s, "
-      "{:.1f}% of the time waited for data\n",
-      metrics.step, metrics.samples, metrics.training_loss, metrics.validation.first_mm,
-      metrics.validation.second_mm, metrics.samples_per_second, 100.0 * metrics.waiting_share);
-  std::fflush(stdout);
-}
-
-/// The curves of a training as STEM_curves.svg and .png.
-void write_curves(const std::filesystem::path& model, const std::vector<TrainingMetrics>& metrics) {
-  Figure figure{.kind = FigureKind::curves,
-                .name = model.stem().string() + "_curves",
-                .title = "Validation of " + model.filename().string(),
-                .x_label = "training samples [thousands]",
-                .y_label = "mean 3D error [mm]",
-                .x = {},
-                .categories = {},
-                .series = {{"first look", {}}, {"second look", {}}}};
-  for (const TrainingMetrics& m : metrics) {
-    figure.x.push_back(static_cast<double>(m.samples) / 1000.0);
-    figure.series[0].values.push_back(m.validation.first_mm);
-    figure.series[1].values.push_back(m.validation.second_mm);
-  }
-  const std::filesystem::path folder = model.has_parent_path() ? model.parent_path() : ".";
-  write_figures(std::span(&figure, 1), folder);
-}
-
-void train_network(const NetworkArguments& arguments) {
-  const auto config = NetworkTrainingConfig::load(arguments.train.config);
-  const std::filesystem::path& out = arguments.train.out;
-  NetworkTrainingRun run{.model = out,
-                         .checkpoint = checkpoint_of(arguments.train),
-                         .begin = arguments.train.resume ? NetworkTrainingRun::Begin::from_checkpoint
-                                                         : NetworkTrainingRun::Begin::anew,
-                         .initial = {},
-                         .device = arguments.device,
-                         .minutes = arguments.minutes,
-                         .stop_after_steps = 0,
-                         .report = [&](const std::vector<TrainingMetrics>& metrics) {
-                           print_metrics(metrics.back());
-                           write_text_file(out.string() + ".metrics.csv", metrics_csv(metrics));
-                         }};
-  write_resolved_options(out,
-                         config.resolved_options);  // first: a folder that cannot be written to ends it here
-  const Stopwatch watch;
-  const NetworkTrainingResult result = run_network_training(config, run);
-  if (result.metrics.size() > 1) write_curves(out, result.metrics);
-  fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
-             result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
-             watch.milliseconds() / 1000.0, out.string());
-}
-
-void add_train_network(CLI::App& train) {
-  CLI::App& network =
-      add_verb(train, "network", "Train a convolutional network that infers poses from patches",
-               "knuckle train network --config pipelines/train_dense.toml --out dense.pt");
-  auto arguments = std::make_shared<NetworkArguments>();
-  network
-      .add_option("--config", arguments->train.config, "Sources, network, augmentation and training options")
-      ->required();
-  network.add_option("--out", arguments->train.out, "File for the model")->required();
-  network.add_flag("--resume", arguments->train.resume,
-                   "Go on where a training of the same configuration was stopped");
-  network.add_option("--device", arguments->device, "cpu | cuda")->capture_default_str();
-  network
-      .add_option("--minutes", arguments->minutes,
-                  "Be done with training in this time; the result then depends on the machine's speed")
-      ->check(CLI::NonNegativeNumber);
-  network.callback([arguments] { train_network(*arguments); });
+/// LibTorch is loaded by the program that trains with it alone.
+void train_network(const NetworkArguments& /*checked*/) {
+  become_sibling("knuckle-train-network");
 }
 
 }  // namespace
@@ -161,7 +86,7 @@ void add_train(CLI::App& program) {
            "pipelines/train_pose_forest.toml", train_pose_forest);
   add_kind(train, "segmentation-forest", "Train a forest that finds hands by their pixels",
            "pipelines/train_segmentation_forest.toml", train_segmentation_forest);
-  add_train_network(train);
+  add_train_network(train, train_network);
 }
 
 }  // namespace knuckle::cli

@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/cli/verb.h"
 
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
@@ -9,9 +16,12 @@
 namespace knuckle::cli {
 namespace {
 
-std::string& command_line() {
-  static std::string line;
-  return line;
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+std::vector<std::string>& remembered_arguments() {
+  static std::vector<std::string> arguments;
+  return arguments;
 }
 
 }  // namespace
@@ -32,15 +42,36 @@ void add_init_option(CLI::App& verb, std::string& init) {
       ->capture_default_str();
 }
 
-void remember_command_line(int count, const char* const* arguments) {
-  command_line().clear();
-  for (int i = 0; i < count; ++i) command_line() += (i == 0 ? "" : " ") + std::string(arguments[i]);
+const std::vector<std::string>& command_line_arguments() {
+  return remembered_arguments();
+}
+
+int run_program(const std::string& description, void (*add_verbs)(CLI::App& program), int count,
+                char** arguments) {
+  try {
+    CLI::App program(description);
+    program.name("knuckle");
+    program.require_subcommand(1);
+    remembered_arguments().assign(arguments, arguments + count);
+    add_verbs(program);
+    try {
+      program.parse(count, arguments);
+    } catch (const CLI::ParseError& error) {
+      return program.exit(error) == 0 ? 0 : kWrongUsage;
+    }
+    return 0;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "knuckle: there is not enough memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "knuckle: {}\n", error.what());
+  }
+  return kFailed;
 }
 
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml) {
   std::filesystem::path path = output / "options.toml";
   if (!std::filesystem::is_directory(output)) path = output.string() + ".options.toml";
-  write_text_file(path, fmt::format("# {}\n{}", command_line(), toml));
+  write_text_file(path, fmt::format("# {}\n{}", fmt::join(command_line_arguments(), " "), toml));
 }
 
 }  // namespace knuckle::cli

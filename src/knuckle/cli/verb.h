@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -32,7 +33,12 @@ void add_init_option(CLI::App& verb, std::string& init);
 /// folder gets "options.toml" in it. The command line comes first, as a comment.
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml);
 
-/// The command line of this run, for `write_resolved_options`.
-void remember_command_line(int count, const char* const* arguments);
+/// The command line of this run, the program's name first.
+const std::vector<std::string>& command_line_arguments();
+
+/// What `main` does: parses the command line with the verbs that `add_verbs` adds, runs one, prints an Error
+/// as one line. Returns the exit status.
+int run_program(const std::string& description, void (*add_verbs)(CLI::App& program), int count,
+                char** arguments);
 
 }  // namespace knuckle::cli

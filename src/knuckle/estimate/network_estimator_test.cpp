@@ -5,6 +5,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file_testing.h"
 
 namespace knuckle {
 namespace {
@@ -67,10 +68,7 @@ TEST(NetworkEstimator, ChecksItsOptions) {
 class CreateNetworkEstimator : public ::testing::Test {
  protected:
   CreateNetworkEstimator() {
-    const CubeSamples samples = testing::made_up_samples(4);
-    NetworkTrainingOptions options = testing::short_training();
-    options.epochs = 1.0;
-    train_network(small_network(), options, {}, samples, samples, testing::run_in(folder_.path(), "small"));
+    testing::write_network(folder_ / "small.pt", random_weights(small_network(), 1));
   }
 
   std::unique_ptr<Estimator> create(const std::string& toml) const {

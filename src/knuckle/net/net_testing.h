@@ -2,14 +2,12 @@
 // Helpers for tests only; not part of the library.
 #pragma once
 
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include "knuckle/core/random.h"
 #include "knuckle/net/cube_samples.h"
 #include "knuckle/net/cube_view.h"
-#include "knuckle/net/network_training.h"
+#include "knuckle/net/network_options.h"
 
 namespace knuckle::testing {
 
@@ -81,24 +79,6 @@ inline NetworkOptions small_network() {
                    .head_channels = 32};
   options.paper = {.first_maps = 4, .second_maps = 8, .hidden_units = 64, .subspace_units = 16};
   return options;
-}
-
-/// 4 steps on 8 samples, validated after each second.
-inline NetworkTrainingOptions short_training() {
-  NetworkTrainingOptions options;
-  options.epochs = 2.0;
-  options.batch_size = 4;
-  options.shards = 2;
-  options.validate_every = 2;
-  return options;
-}
-
-/// A run from the beginning whose files are FOLDER/NAME.pt and FOLDER/NAME.checkpoint.
-inline NetworkTrainingRun run_in(const std::filesystem::path& folder, const std::string& name) {
-  NetworkTrainingRun run;
-  run.model = folder / (name + ".pt");
-  run.checkpoint = folder / (name + ".checkpoint");
-  return run;
 }
 
 }  // namespace knuckle::testing

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to the module: this header shows LibTorch.
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <string>
+#include <string_view>
 
-#include "knuckle/net/network_module.h"
+#include "knuckle/net/network_weights.h"
 
 namespace knuckle {
 
-/// Writes a network for inference as a LibTorch archive (format "knuckle-network", version 1) with its
-/// options inside, its weights in half precision. It appears only when whole.
-void save_network(const std::filesystem::path& path, const NetworkOptions& options,
-                  const NetworkModule& network);
+// A network's file is a LibTorch archive, but is read without LibTorch: such an archive is a zip in which the
+// bytes of each tensor are a record NAME/data/N as they are. It holds two or three tensors, in this order:
+// the header, a text as bytes; the weights, all arrays of half precision one behind another; and the
+// statistics of batch norms in single precision, where there are any.
 
-struct LoadedNetwork {
-  NetworkOptions options;
-  std::shared_ptr<NetworkModule> network;  ///< in single precision
-};
+inline constexpr std::string_view kNetworkFormat = "knuckle-network";
+inline constexpr int kNetworkVersion = 2;
 
-/// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
-/// version, or does not fit its own options.
-LoadedNetwork load_network(const std::filesystem::path& path);
+/// The header: format, version, a line "PRECISION NAME SHAPE" for each array, "options", and those as TOML.
+std::string network_header(const NetworkOptions& options);
+
+/// Reads a network. Throws an Error that names the file where it is missing, cut short, damaged, foreign, of
+/// another version, does not fit its own options, or holds a number that is not finite.
+NetworkWeights load_network_weights(const std::filesystem::path& path);
 
 }  // namespace knuckle

@@ -3,6 +3,7 @@
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file_testing.h"
 #include "knuckle/net/pose_network.h"
 #include "knuckle/pipeline/pipeline.h"
 
@@ -38,12 +39,7 @@ ImagePoint mean_of(const HandPose& pose) {
 class NetworkPasses : public ::testing::Test {
  protected:
   NetworkPasses() {
-    const CubeSamples samples = testing::made_up_samples(8);
-    NetworkTrainingOptions options = testing::short_training();
-    options.epochs = 20.0;
-    options.validate_every = 100;
-    train_network(testing::small_network(), options, {}, samples, samples,
-                  testing::run_in(folder_.path(), "small"));
+    testing::write_network(folder_ / "small.pt", random_weights(testing::small_network(), 1));
   }
 
   FrameEstimate estimate(int passes) const {

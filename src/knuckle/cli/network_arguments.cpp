@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/cli/network_arguments.h"
+
+#include <memory>
+
+#include "knuckle/cli/verb.h"
+
+namespace knuckle::cli {
+
+void add_train_network(CLI::App& train, const std::function<void(const NetworkArguments&)>& run) {
+  CLI::App& network =
+      add_verb(train, "network", "Train a convolutional network that infers poses from patches",
+               "knuckle train network --config pipelines/train_dense.toml --out dense.pt");
+  auto arguments = std::make_shared<NetworkArguments>();
+  network.add_option("--config", arguments->config, "Sources, network, augmentation and training options")
+      ->required();
+  network.add_option("--out", arguments->out, "File for the model")->required();
+  network.add_flag("--resume", arguments->resume,
+                   "Go on where a training of the same configuration was stopped");
+  network.add_option("--device", arguments->device, "cpu | cuda")->capture_default_str();
+  network
+      .add_option("--minutes", arguments->minutes,
+                  "Be done with training in this time; the result then depends on the machine's speed")
+      ->check(CLI::NonNegativeNumber);
+  network.callback([arguments, run] { run(*arguments); });
+}
+
+}  // namespace knuckle::cli

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace knuckle::cli {
+
+/// What `knuckle train network` is told.
+struct NetworkArguments {
+  std::filesystem::path config;
+  std::filesystem::path out;
+  bool resume = false;
+  std::string device = "cpu";
+  double minutes = 0.0;
+};
+
+/// Adds `network` to the verb `train`. Two programs know it: `knuckle`, where `run` starts the other one, and
+/// `knuckle-train-network`, where it trains.
+void add_train_network(CLI::App& train, const std::function<void(const NetworkArguments&)>& run);
+
+}  // namespace knuckle::cli

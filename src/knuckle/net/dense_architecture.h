@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knuckle/net/network_options.h"
+
+namespace knuckle {
+
+inline constexpr int kDenseStages = 3;        ///< at a quarter, an eighth and a sixteenth of the patch
+inline constexpr int kDenseStride = 4;        ///< patch pixels a cell of the maps of votes
+inline constexpr int kMapsAJoint = 5;         ///< offset u, v, d; closeness; weight
+inline constexpr float kNormEpsilon = 1e-5f;  ///< added to the variances of batch norms
+/// Spread of the votes at which the confidence falls to 1 / e: 19 mm in a cube of 250 mm.
+inline constexpr double kSpreadScale = 0.15;
+
+/// A convolution (padded to keep the size, without bias) with its batch norm.
+struct DenseUnit {
+  std::string name;
+  int inputs;
+  int outputs;
+  int kernel;
+  int stride;
+};
+
+/// All units of the architecture `dense` but the head, which has a bias and no norm.
+std::vector<DenseUnit> dense_units(const DenseNetworkOptions& options);
+
+}  // namespace knuckle

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to the module.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "knuckle/net/convolution.h"
+#include "knuckle/net/half.h"
+
+namespace knuckle {
+
+/// A fully connected layer: output = activation(weights * input + bias).
+///
+/// A wide layer is bound by reading its weights, each of which is used once: they stay in half precision in
+/// memory and are read in one stream. Leaving out those of inputs that are 0 (half of them behind a ReLU) was
+/// slower: it breaks the stream.
+class FullyConnectedLayer {
+ public:
+  /// `weights`: outputs x inputs; `bias`: outputs.
+  FullyConnectedLayer(int inputs, int outputs, Activation activation, std::span<const Half> weights,
+                      std::span<const Half> bias);
+
+  int inputs() const { return inputs_; }
+  int outputs() const { return outputs_; }
+
+  /// Returns `outputs` numbers of `inputs`.
+  std::vector<float> apply(std::span<const float> input) const;
+
+ private:
+  static constexpr int kOutputsABlock = 64;
+  /// What one input adds to a block of outputs: two lines of the cache.
+  struct alignas(64) Column {
+    std::array<Half, kOutputsABlock> weights;
+  };
+
+  int inputs_;
+  int outputs_;
+  Activation activation_;
+  std::vector<Column> columns_;  // blocks of outputs x inputs
+  std::vector<float> bias_;      // whole blocks
+};
+
+}  // namespace knuckle

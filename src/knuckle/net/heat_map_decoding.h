@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "knuckle/net/network_inference.h"
+
+namespace knuckle {
+
+/// The joints of an output of `heatmap2d` (the depth is looked up in the patch) or `heatmap25d`; the
+/// confidence of a joint is the height of its map's peak, cut to [0, 1].
+///
+/// `output`: the cells of all joints' maps, then the bins of all joints. `patch`: size_px x size_px.
+NetworkPrediction decode_heat_maps(const NetworkOptions& options, std::span<const float> output,
+                                   std::span<const float> patch);
+
+}  // namespace knuckle

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "knuckle/core/image.h"
+#include "knuckle/net/network_weights.h"
+#include "knuckle/patch/hand_patch.h"
+
+namespace knuckle {
+
+/// What a network says about one patch.
+struct NetworkPrediction {
+  std::vector<PatchPoint> joints;  ///< one a landmark of the convention
+  std::vector<float> confidence;   ///< one a joint, in [0, 1]; or empty where the network gives none
+};
+
+/// A network, laid out for answering one patch at a time on the calling thread.
+class NetworkInference {
+ public:
+  virtual ~NetworkInference() = default;
+  /// `patch`: size_px x size_px, finite. Safe to call from many threads.
+  virtual NetworkPrediction predict(const Image<float>& patch) const = 0;
+};
+
+std::unique_ptr<NetworkInference> create_inference(const NetworkWeights& weights);
+
+}  // namespace knuckle

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/net/network_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "knuckle/core/random.h"
+#include "knuckle/net/dense_architecture.h"
+#include "knuckle/net/paper_architecture.h"
+
+namespace knuckle {
+namespace {
+
+using enum NetworkArray::Precision;
+
+constexpr double kLastDeviation = 0.01;  // of the last layer's weights
+
+std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {
+  std::vector<NetworkArray> arrays;
+  for (const DenseUnit& unit : dense_units(options.dense)) {
+    arrays.push_back(
+        {unit.name + ".convolution.weight", {unit.outputs, unit.inputs, unit.kernel, unit.kernel}, half});
+    arrays.push_back({unit.name + ".norm.weight", {unit.outputs}, half});
+    arrays.push_back({unit.name + ".norm.bias", {unit.outputs}, half});
+    arrays.push_back({unit.name + ".norm.running_mean", {unit.outputs}, single});
+    arrays.push_back({unit.name + ".norm.running_var", {unit.outputs}, single});
+  }
+  const int maps = kMapsAJoint * options.joint_count();
+  arrays.push_back({"head.weight", {maps, options.dense.head_channels, 1, 1}, half});
+  arrays.push_back({"head.bias", {maps}, half});
+  return arrays;
+}
+
+std::vector<NetworkArray> paper_arrays(const NetworkOptions& options) {
+  std::vector<NetworkArray> arrays;
+  const auto add = [&](const std::string& name, std::vector<int> shape) {
+    const int outputs = shape.front();
+    arrays.push_back({name + ".weight", std::move(shape), half});
+    arrays.push_back({name + ".bias", {outputs}, half});
+  };
+  int number = 0;
+  for (const auto& bank : kBankLayers) {
+    int inputs = 1;
+    int outputs = options.paper.first_maps;
+    for (const BankLayer& layer : bank) {
+      add("banks.convolution" + std::to_string(number++), {outputs, inputs, layer.kernel, layer.kernel});
+      inputs = outputs;
+      outputs = options.paper.second_maps;
+    }
+  }
+  int inputs = bank_feature_count(options.patch.size_px, options.paper.second_maps);
+  number = 0;
+  for (const ConnectedLayer& layer : connected_layers(options)) {
+    add("layers.layer" + std::to_string(number++), {layer.units, inputs});
+    inputs = layer.units;
+  }
+  return arrays;
+}
+
+/// Uniform numbers of this deviation.
+void fill_uniform(std::span<Half> weights, double deviation, Random random) {
+  const double bound = std::sqrt(3.0) * deviation;
+  const double step = 2.0 * bound / 4294967296.0;  // a random word's
+  for (Half& weight : weights) weight = half_of_float(static_cast<float>(step * random() - bound));
+}
+
+}  // namespace
+
+std::int64_t NetworkArray::count() const {
+  return std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>());
+}
+
+std::vector<NetworkArray> network_arrays(const NetworkOptions& options) {
+  return options.architecture == "dense" ? dense_arrays(options) : paper_arrays(options);
+}
+
+ArraySizes total_sizes(const std::vector<NetworkArray>& arrays) {
+  ArraySizes sizes;
+  for (const NetworkArray& array : arrays) {
+    (array.precision == half ? sizes.halves : sizes.singles) += array.count();
+  }
+  return sizes;
+}
+
+NetworkWeights::NetworkWeights(NetworkOptions options)
+    : options_(std::move(options)), arrays_(network_arrays(options_)) {
+  std::size_t half_count = 0;
+  std::size_t single_count = 0;
+  for (const NetworkArray& array : arrays_) {
+    std::size_t& first = array.precision == half ? half_count : single_count;
+    const auto count = static_cast<std::size_t>(array.count());
+    places_[array.name] = {first, count};
+    first += count;
+  }
+  halves_.resize(half_count);
+  singles_.resize(single_count);
+}
+
+std::span<Half> NetworkWeights::halves(const std::string& name) {
+  const Place& place = places_.at(name);
+  return std::span(halves_).subspan(place.first, place.count);
+}
+
+std::span<const Half> NetworkWeights::halves(const std::string& name) const {
+  const Place& place = places_.at(name);
+  return std::span(halves_).subspan(place.first, place.count);
+}
+
+std::span<float> NetworkWeights::singles(const std::string& name) {
+  const Place& place = places_.at(name);
+  return std::span(singles_).subspan(place.first, place.count);
+}
+
+std::span<const float> NetworkWeights::singles(const std::string& name) const {
+  const Place& place = places_.at(name);
+  return std::span(singles_).subspan(place.first, place.count);
+}
+
+std::vector<float> NetworkWeights::floats(const std::string& name) const {
+  std::vector<float> values;
+  for (const Half half : halves(name)) values.push_back(float_of_half(half));
+  return values;
+}
+
+NetworkWeights random_weights(const NetworkOptions& options, std::uint64_t seed) {
+  check(options, "network");
+  NetworkWeights weights(options);
+  const auto& arrays = weights.arrays();
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    const NetworkArray& array = arrays[i];
+    if (array.name.ends_with(".running_var")) {
+      std::ranges::fill(weights.singles(array.name), 1.0f);
+    } else if (array.name.ends_with(".norm.weight")) {
+      std::ranges::fill(weights.halves(array.name), half_of_float(1.0f));
+    } else if (array.name.ends_with(".weight")) {
+      const bool is_last = i + 2 == arrays.size();  // its bias follows
+      const auto inputs = static_cast<double>(array.count() / array.shape.front());
+      fill_uniform(weights.halves(array.name), is_last ? kLastDeviation : std::sqrt(2.0 / inputs),
+                   Random(seed, i));
+    }
+  }
+  return weights;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/net/paper_inference.h"
+
+#include "knuckle/net/heat_map_decoding.h"
+
+namespace knuckle {
+
+PaperInference::PaperInference(const NetworkWeights& weights) : options_(weights.options()), banks_(weights) {
+  int inputs = bank_feature_count(options_.patch.size_px, options_.paper.second_maps);
+  for (const ConnectedLayer& layer : connected_layers(options_)) {
+    const std::string name = "layers.layer" + std::to_string(layers_.size());
+    const bool is_linear = layer.activation == ConnectedLayer::Activation::linear;
+    layers_.emplace_back(inputs, layer.units, is_linear ? Activation::linear : Activation::relu,
+                         weights.halves(name + ".weight"), weights.halves(name + ".bias"));
+    inputs = layer.units;
+  }
+}
+
+NetworkPrediction PaperInference::predict(const Image<float>& patch) const {
+  std::vector<float> values = banks_.features_of(patch);
+  for (const FullyConnectedLayer& layer : layers_) values = layer.apply(values);
+  if (options_.architecture.starts_with("heatmap")) {
+    return decode_heat_maps(options_, values, patch.pixels());
+  }
+  NetworkPrediction prediction;
+  for (std::size_t i = 0; i < values.size(); i += 3) {
+    prediction.joints.push_back({values[i], values[i + 1], values[i + 2]});
+  }
+  return prediction;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/batch_loader.h"
+
+#include <chrono>
+#include <numeric>
+#include <utility>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::size_t kBatchesAhead = 8;
+// Streams of random numbers: one family for orders, one for views.
+constexpr std::uint64_t kOrders = 1;
+constexpr std::uint64_t kViews = 2;
+
+/// A random order of [0, count) (Fisher and Yates).
+std::vector<std::int64_t> random_order(std::int64_t count, Random random) {
+  std::vector<std::int64_t> order(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), std::int64_t{0});
+  for (std::size_t i = order.size(); i > 1; --i) {
+    std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
+  }
+  return order;
+}
+
+}  // namespace
+
+BatchPlan::BatchPlan(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
+                     std::uint64_t seed)
+    : samples_(samples), augmentation_(augmentation), batch_size_(batch_size), seed_(seed) {
+  check_options(augmentation, "augmentation");
+  if (samples.size() == 0) fail("training: there is no sample to train on");
+}
+
+std::int64_t BatchPlan::sample_of(std::int64_t place) {
+  const std::int64_t epoch = place / samples_.size();
+  if (epoch != epoch_) {
+    order_ = random_order(samples_.size(),
+                          Random(derived_seed(seed_, kOrders), static_cast<std::uint64_t>(epoch)));
+    epoch_ = epoch;
+  }
+  return order_[static_cast<std::size_t>(place % samples_.size())];
+}
+
+TrainingBatch BatchPlan::batch(std::int64_t number) {
+  const std::size_t pixels = static_cast<std::size_t>(samples_.patch().size_px) * samples_.patch().size_px;
+  const std::size_t numbers = static_cast<std::size_t>(samples_.joint_count()) * 3;
+  TrainingBatch batch;
+  batch.patches.resize(pixels * batch_size_);
+  batch.joints.resize(numbers * batch_size_);
+  const CubeViewer viewer(samples_);
+  for (int i = 0; i < batch_size_; ++i) {
+    const std::int64_t place = number * batch_size_ + i;
+    const CubeSample sample = samples_.sample(sample_of(place));
+    Random random(derived_seed(seed_, kViews), static_cast<std::uint64_t>(place));
+    const RandomView seen = random_view(sample, samples_, augmentation_, random);
+    viewer.view_pixels(sample, seen.view, seen.faults, random,
+                       std::span(batch.patches).subspan(pixels * i, pixels));
+    viewer.view_joints(sample, seen.view, std::span(batch.joints).subspan(numbers * i, numbers));
+  }
+  return batch;
+}
+
+BatchLoader::BatchLoader(BatchPlan plan, std::int64_t first, std::int64_t end)
+    : plan_(std::move(plan)), left_(end - first), thread_([this, first, end] { work(first, end); }) {}
+
+BatchLoader::~BatchLoader() {
+  const std::lock_guard lock(mutex_);
+  stop_ = true;
+  changed_.notify_all();
+}
+
+void BatchLoader::work(std::int64_t first, std::int64_t end) {
+  try {
+    for (std::int64_t number = first; number < end; ++number) {
+      TrainingBatch batch = plan_.batch(number);
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stop_ || ready_.size() < kBatchesAhead; });
+      if (stop_) return;
+      ready_.push_back(std::move(batch));
+      changed_.notify_all();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    fault_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
+
+TrainingBatch BatchLoader::next() {
+  if (left_ <= 0) fail("training: there is no batch left");
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return !ready_.empty() || fault_; });
+  waited_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (ready_.empty()) std::rethrow_exception(fault_);
+  TrainingBatch batch = std::move(ready_.front());
+  ready_.pop_front();
+  --left_;
+  changed_.notify_all();
+  return batch;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/batch_loader.h"
+
+#include <map>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/net/net_testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::Each;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::kTestJoints;
+using testing::made_up_samples;
+using testing::no_augmentation;
+
+constexpr std::size_t kNumbers = kTestJoints * 3;
+
+/// How often each sample is in the batches [0, count); samples are told apart by their first joint's depth.
+std::map<float, int> times_seen(const CubeSamples& samples, int batch_size, int count) {
+  BatchPlan plan(samples, no_augmentation(), batch_size, 3);
+  std::map<float, int> times;
+  for (int number = 0; number < count; ++number) {
+    const TrainingBatch batch = plan.batch(number);
+    for (std::size_t i = 2; i < batch.joints.size(); i += kNumbers) ++times[batch.joints[i]];
+  }
+  return times;
+}
+
+std::vector<int> counts_of(const std::map<float, int>& times) {
+  std::vector<int> counts;
+  for (const auto& [key, count] : times) counts.push_back(count);
+  return counts;
+}
+
+TEST(BatchPlan, SeesEachSampleOnceBeforeAnyAgain) {
+  const CubeSamples samples = made_up_samples(12);
+  EXPECT_THAT(counts_of(times_seen(samples, 4, 3)), ::testing::AllOf(::testing::SizeIs(12), Each(1)));
+  EXPECT_THAT(counts_of(times_seen(samples, 5, 12)), ::testing::AllOf(::testing::SizeIs(12), Each(5)));
+}
+
+TEST(BatchPlan, ABatchMayBeLargerThanTheSet) {
+  EXPECT_THAT(counts_of(times_seen(made_up_samples(3), 9, 1)),
+              ::testing::AllOf(::testing::SizeIs(3), Each(3)));
+}
+
+TEST(BatchPlan, EpochsHaveDifferentOrders) {
+  const CubeSamples samples = made_up_samples(16);
+  BatchPlan plan(samples, no_augmentation(), 16, 3);
+  EXPECT_NE(plan.batch(0).joints, plan.batch(1).joints);
+}
+
+TEST(BatchPlan, ABatchDependsOnItsNumberAndTheSeedAlone) {
+  const CubeSamples samples = made_up_samples(10);
+  BatchPlan plan(samples, {}, 4, 3);
+  for (int number = 0; number < 6; ++number) (void)plan.batch(number);
+  BatchPlan fresh(samples, {}, 4, 3);
+  BatchPlan other(samples, {}, 4, 4);
+  for (const int number : {5, 0, 3}) {
+    const TrainingBatch batch = plan.batch(number);
+    EXPECT_EQ(batch.patches, fresh.batch(number).patches);
+    EXPECT_EQ(batch.patches.size(), 4u * 32 * 32);
+    EXPECT_NE(batch.patches, other.batch(number).patches);
+  }
+}
+
+TEST(BatchPlan, RefusesAnEmptySetAndOptionsOutOfRange) {
+  const CubeSamples none = made_up_samples(0);
+  EXPECT_THAT(error_of([&] { BatchPlan(none, {}, 4, 1); }), HasSubstr("no sample to train on"));
+  const CubeSamples samples = made_up_samples(1);
+  EXPECT_THAT(error_of([&] { BatchPlan(samples, {.rotation_deg = 200.0}, 4, 1); }),
+              HasSubstr("rotation_deg"));
+}
+
+TEST(BatchLoader, GivesTheBatchesOfThePlanInOrderFromAnyStart) {
+  const CubeSamples samples = made_up_samples(10);
+  BatchPlan plan(samples, {}, 4, 3);
+  BatchLoader loader(BatchPlan(samples, {}, 4, 3), 7, 30);  // more than are made ahead
+  for (int number = 7; number < 30; ++number) EXPECT_EQ(loader.next().patches, plan.batch(number).patches);
+  EXPECT_THAT(error_of([&] { loader.next(); }), HasSubstr("no batch left"));
+  EXPECT_GE(loader.waited_seconds(), 0.0);
+}
+
+TEST(BatchLoader, EndsWhileBatchesAreLeft) {
+  const CubeSamples samples = made_up_samples(10);
+  BatchLoader loader(BatchPlan(samples, {}, 4, 3), 0, 1000000000);
+  EXPECT_EQ(loader.next().joints.size(), 4 * kNumbers);
+}
+
+}  // namespace
+}  // namespace knuckle

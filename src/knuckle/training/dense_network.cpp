@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/dense_network.h"
+
+#include <string>
+
+#include <torch/nn/functional/loss.h>
+#include <torch/nn/init.h>
+#include <torch/utils.h>
+
+#include "knuckle/net/dense_architecture.h"
+#include "knuckle/patch/cube_patch.h"
+
+namespace knuckle {
+namespace {
+
+constexpr int kStride = kDenseStride;
+constexpr double kSmoothness =
+    0.01;                        // where the loss turns from square to linear [halves of the cube's side]
+constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
+constexpr double kSmallestDistance = 1e-6;
+
+/// u (or v) of the centres of the cells of one line of the maps.
+torch::Tensor cell_centres(int64_t cells, const torch::TensorOptions& options) {
+  const double half = 0.5 * static_cast<double>(kStride * cells - 1);
+  const double first = 0.5 * (kStride - 1);
+  return (torch::arange(cells, options) * kStride + (first - half)) / half;
+}
+
+/// Of each cell of the maps u, v and the depth of the nearest surface in it: N x 3 x h x h.
+torch::Tensor cell_points(const torch::Tensor& patches) {
+  const torch::Tensor depth = -torch::max_pool2d(-patches, {kStride, kStride});
+  const int64_t cells = depth.size(2);
+  const torch::Tensor centres = cell_centres(cells, depth.options());
+  const torch::Tensor u = centres.view({1, 1, 1, cells}).expand_as(depth);
+  const torch::Tensor v = centres.view({1, 1, cells, 1}).expand_as(depth);
+  return torch::cat({u, v, depth}, 1);
+}
+
+/// The mean smooth L1 distance over the entries where `counts` is 1; 0 where there is none.
+torch::Tensor masked_distance(const torch::Tensor& value, const torch::Tensor& target,
+                              const torch::Tensor& counts) {
+  const torch::Tensor distance =
+      torch::smooth_l1_loss(value * counts, target * counts, at::Reduction::Sum, kSmoothness);
+  return distance / counts.expand_as(target).sum().clamp_min(1.0);
+}
+
+}  // namespace
+
+/// All N x J x ... x P, with P the cells of a map.
+struct DenseNetwork::Votes {
+  torch::Tensor offset;     ///< N x J x 3 x P
+  torch::Tensor closeness;  ///< N x J x 1 x P
+  torch::Tensor weight;     ///< N x J x 1 x P, sums to 1 over P
+  torch::Tensor points;     ///< N x 1 x 3 x P: where each cell is
+  torch::Tensor is_hand;    ///< N x 1 x 1 x P
+
+  torch::Tensor joints(double kernel) const {
+    return ((points + offset * ((1.0 - closeness) * kernel)) * weight).sum(-1);
+  }
+};
+
+DenseNetwork::DenseNetwork(const NetworkOptions& options)
+    : NetworkModule(options.patch.size_px), joint_count_(options.joint_count()), options_(options.dense) {
+  const auto unit = [&](const std::string& name, const ConvolutionUnit::Shape& shape) {
+    return register_module(name, std::make_shared<ConvolutionUnit>(shape));
+  };
+  const int channels[] = {options_.stem_channels, options_.quarter_channels, options_.eighth_channels,
+                          options_.sixteenth_channels};
+  down_.push_back(unit("stem", {1, channels[0], 5, 2}));
+  for (int stage = 1; stage <= 3; ++stage) {
+    down_.push_back(unit("down" + std::to_string(stage), {channels[stage - 1], channels[stage], 3, 2}));
+    auto& blocks = blocks_.emplace_back();
+    for (int i = 0; i < options_.blocks; ++i) {
+      const std::string name = "block" + std::to_string(stage) + "_" + std::to_string(i);
+      blocks.push_back(register_module(name, std::make_shared<ResidualBlock>(channels[stage])));
+    }
+  }
+  lateral_ = {unit("lateral2", {channels[3], channels[2], 1, 1}),
+              unit("lateral1", {channels[2], channels[1], 1, 1})};
+  smooth_ = {unit("smooth2", {channels[2], channels[2], 3, 1}),
+             unit("smooth1", {channels[1], options_.head_channels, 3, 1})};
+  const torch::nn::Conv2dOptions head(options_.head_channels, kMapsAJoint * joint_count_, 1);
+  head_ = register_module("head", torch::nn::Conv2d(head));
+  torch::nn::init::normal_(head_->weight, 0.0, 0.01);
+  torch::nn::init::zeros_(head_->bias);
+}
+
+torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
+  torch::Tensor features = down_[0]->forward(patches.contiguous(torch::MemoryFormat::ChannelsLast));
+  std::vector<torch::Tensor> stages;
+  for (std::size_t stage = 0; stage < blocks_.size(); ++stage) {
+    features = down_[stage + 1]->forward(features);
+    for (const auto& block : blocks_[stage]) features = block->forward(features);
+    stages.push_back(features);
+  }
+  for (std::size_t i = 0; i < lateral_.size(); ++i) {
+    const torch::Tensor coarse = twice_as_large(lateral_[i]->forward(features));
+    features = smooth_[i]->forward(coarse + stages[1 - i]);
+  }
+  return head_->forward(features);
+}
+
+DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const torch::Tensor& patches) const {
+  const int64_t count = output.size(0);
+  const torch::Tensor maps = output.contiguous().view({count, kMapsAJoint, joint_count_, -1});
+  const torch::Tensor points = cell_points(patches).view({count, 1, 3, -1});
+  Votes votes;
+  votes.points = points;
+  votes.is_hand = (points.narrow(2, 2, 1) < kCubeBackground).to(maps.scalar_type());
+  votes.offset = maps.narrow(1, 0, 3).transpose(1, 2);
+  votes.closeness = maps.select(1, 3).unsqueeze(2);
+  const torch::Tensor weight = maps.select(1, 4).unsqueeze(2);
+  votes.weight = torch::softmax(weight + (votes.is_hand - 1.0) * kNoVote, -1);
+  return votes;
+}
+
+torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tensor& patches,
+                                 const torch::Tensor& joints) {
+  const Votes votes = votes_of(output, patches);
+  const torch::Tensor is_known = torch::isfinite(joints).all(-1, true).to(output.scalar_type());
+  const torch::Tensor truth = torch::nan_to_num(joints, 0.0, 0.0, 0.0);
+  torch::Tensor total = masked_distance(votes.joints(options_.kernel), truth, is_known);
+  if (options_.dense_weight == 0.0) return total;
+
+  const torch::Tensor difference = truth.unsqueeze(-1) - votes.points;
+  const torch::Tensor distance = difference.norm(2, {2}, true).clamp_min(kSmallestDistance);
+  const torch::Tensor counts =
+      votes.is_hand * (distance < options_.kernel).to(output.scalar_type()) * is_known.unsqueeze(-1);
+  total = total + options_.dense_weight * masked_distance(votes.offset, difference / distance, counts);
+  return total +
+         options_.dense_weight * masked_distance(votes.closeness, 1.0 - distance / options_.kernel, counts);
+}
+
+NetworkAnswer DenseNetwork::decode(const torch::Tensor& output, const torch::Tensor& patches) {
+  const Votes votes = votes_of(output, patches);
+  const torch::Tensor each = votes.points + votes.offset * ((1.0 - votes.closeness) * options_.kernel);
+  const torch::Tensor joints = (each * votes.weight).sum(-1);
+  const torch::Tensor squares = (each - joints.unsqueeze(-1)).square().sum(2, true);
+  const torch::Tensor spread = (squares * votes.weight).sum(-1).sqrt().squeeze(-1);
+  return {joints, torch::exp(-spread / kSpreadScale)};
+}
+
+}  // namespace knuckle

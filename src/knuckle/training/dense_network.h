@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to the module: this header shows LibTorch.
+#pragma once
+
+#include <vector>
+
+#include "knuckle/training/layers.h"
+#include "knuckle/training/network_module.h"
+
+namespace knuckle {
+
+/// Adaptive weighting regression (Huang et al. 2020) on a compact encoder-decoder.
+///
+/// At a quarter of the patch's resolution each pixel of the hand votes for every joint: a unit offset towards
+/// it, its closeness (1 at the joint, 0 at `kernel` from it), and the vote's weight. A joint is the mean of
+/// the votes, weighted by the softmax of the weights over the pixels. The loss is the smooth L1 distance of
+/// the joints, and of the offsets and closenesses within the kernel's reach.
+///
+/// Output: N x 5J x h x h with h = size / 4; channels are offset u (of all joints), v, d, closeness, weight.
+class DenseNetwork final : public NetworkModule {
+ public:
+  explicit DenseNetwork(const NetworkOptions& options);
+
+  torch::Tensor forward(const torch::Tensor& patches) override;
+  torch::Tensor loss(const torch::Tensor& output, const torch::Tensor& patches,
+                     const torch::Tensor& joints) override;
+  NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) override;
+
+ private:
+  struct Votes;
+  Votes votes_of(const torch::Tensor& output, const torch::Tensor& patches) const;
+
+  int joint_count_;
+  DenseNetworkOptions options_;
+  std::vector<std::shared_ptr<ConvolutionUnit>> down_;               // stem, and one a stage
+  std::vector<std::vector<std::shared_ptr<ResidualBlock>>> blocks_;  // a stage
+  std::vector<std::shared_ptr<ConvolutionUnit>> lateral_;
+  std::vector<std::shared_ptr<ConvolutionUnit>> smooth_;
+  torch::nn::Conv2d head_{nullptr};
+};
+
+}  // namespace knuckle

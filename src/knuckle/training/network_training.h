@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "knuckle/net/cube_samples.h"
+#include "knuckle/net/cube_view.h"
+#include "knuckle/net/network_options.h"
+#include "knuckle/training/learning_rate.h"
+
+namespace knuckle {
+
+/// How a network is trained: the `[training]` table.
+struct NetworkTrainingOptions {
+  double epochs = 10.0;             ///< How often each sample is seen, (0, 1e6]
+  int batch_size = 64;              ///< Samples a step, [1, 65536]
+  int shards = 4;                   ///< Parts of a batch that are worked on side by side, [1, 256]
+  std::string optimiser = "adamw";  ///< adamw | sgd
+  double momentum = 0.9;            ///< sgd's, [0, 1)
+  double weight_decay = 1e-4;       ///< [0, 1]
+  double gradient_clip = 1.0;       ///< Largest norm of the gradient; 0: any, [0, 1e6]
+  double average_decay = 0.999;     ///< of the moving average of the weights, which is what is kept, [0, 1)
+  LearningRateOptions learning_rate;
+  int validate_every = 1000;  ///< Steps from one validation and checkpoint to the next, [1, 1e9]
+  int patience = 0;           ///< Validations without a better one before it stops; 0: never, [0, 1e6]
+  std::uint64_t seed = 1;     ///< of weights, orders and views
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// Mean distance of joints over a validation set [mm].
+struct ValidationErrors {
+  double first_mm = kNaN;   ///< around the given centres
+  double second_mm = kNaN;  ///< after a second look, around the mean of the joints found first
+};
+
+/// One line of a training's metrics.
+struct TrainingMetrics {
+  std::int64_t step = 0;
+  std::int64_t samples = 0;  ///< seen so far
+  double learning_rate = 0.0;
+  double training_loss = 0.0;  ///< mean since the line before
+  ValidationErrors validation;
+  double samples_per_second = 0.0;  ///< since the line before, validation not counted
+  double waiting_share = 0.0;       ///< of the time, for batches
+};
+
+/// Metrics as CSV, a line a validation.
+std::string metrics_csv(const std::vector<TrainingMetrics>& metrics);
+
+/// Where and how one training runs.
+struct NetworkTrainingRun {
+  std::filesystem::path model;       ///< the best so far; also written at each better validation
+  std::filesystem::path checkpoint;  ///< all that is needed to go on; written at each validation
+  enum class Begin { anew, from_checkpoint } begin = Begin::anew;
+  /// A model of the same architecture, convention and patch, whose weights a training anew begins with;
+  /// empty: random weights.
+  std::filesystem::path initial;
+  std::string device = "cpu";  ///< cpu | cuda
+  /// The learning rate falls, and the training ends, so that all is done in this time [min]; 0: in its own.
+  /// What comes out then depends on how fast the machine was.
+  double minutes = 0.0;
+  std::int64_t stop_after_steps = 0;  ///< ends early, as if interrupted, after so many steps in all; 0: not
+  /// Called at each validation with all metrics so far, those before a checkpoint included; may be empty.
+  std::function<void(const std::vector<TrainingMetrics>&)> report;
+};
+
+/// Trains a network on `training` and keeps what is best on `validation`.
+///
+/// A batch is cut into shards, each worked on by one thread; their gradients are summed in order, so the
+/// weights depend on options and samples alone, not on the number of threads. Batch norms see one shard at a
+/// time; their running statistics are averaged. A training that goes on from a checkpoint ends with the same
+/// bits as one that was not interrupted (on one and the same machine and device).
+///
+/// Throws an Error where an option is out of range, there is no sample, the device is not there, the
+/// checkpoint is of another network or configuration, or the loss is not finite: files written before stay as
+/// they are.
+std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
+                                           const NetworkTrainingOptions& options,
+                                           const AugmentationOptions& augmentation,
+                                           const CubeSamples& training, const CubeSamples& validation,
+                                           const NetworkTrainingRun& run);
+
+}  // namespace knuckle

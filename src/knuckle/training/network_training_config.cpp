@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/network_training_config.h"
+
+#include <algorithm>
+
+#include "knuckle/core/error.h"
+#include "knuckle/pipeline/open_source.h"
+
+namespace knuckle {
+namespace {
+
+constexpr double kBytesAGigabyte = 1e9;
+
+std::int64_t frames_of(const std::string& source, int most) {
+  const std::int64_t size = open_source(source)->size();
+  return most > 0 ? std::min<std::int64_t>(most, size) : size;
+}
+
+void check_memory(const NetworkTrainingConfig& config) {
+  const NetworkSampleOptions& samples = config.samples;
+  const std::int64_t count =
+      frames_of(config.source, samples.most) + frames_of(config.validation, samples.most_validation);
+  const double gigabytes =
+      static_cast<double>(CubeSamples::bytes(count, config.network.joint_count(), samples.crop_px)) /
+      kBytesAGigabyte;
+  if (gigabytes > samples.memory_gb) {
+    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`", count, gigabytes,
+         samples.memory_gb);
+  }
+}
+
+}  // namespace
+
+void NetworkSampleOptions::visit(OptionVisitor& visitor) {
+  visitor.integer("most", most, closed(0, 1e9));
+  visitor.integer("most_validation", most_validation, closed(0, 1e9));
+  visitor.integer("crop_px", crop_px, closed(2, 4096));
+  visitor.real("memory_gb", memory_gb, open_closed(0, 10000));
+}
+
+NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& path) {
+  const OptionTable document = OptionTable::load(path);
+  NetworkTrainingConfig config{.source = source_in(document, "source"),
+                               .validation = source_in(document, "validation"),
+                               .initial = {},
+                               .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
+                               .finder = HandFinder(document),
+                               .samples = {},
+                               .network = {},
+                               .augmentation = {},
+                               .training = {},
+                               .resolved_options = {}};
+  const std::string initial = document.text_or("initial", "");
+  if (!initial.empty()) config.initial = document.resolved_path(initial);
+  document.table("patch").read(config.network.patch);
+  document.table("samples").read(config.samples);
+  document.table("network").read(config.network);
+  document.table("augmentation").read(config.augmentation);
+  document.table("training").read(config.training);
+  document.finish();
+  check(config.network, path.string());
+  config.resolved_options = document.resolved_toml();
+  return config;
+}
+
+NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config,
+                                           const NetworkTrainingRun& run) {
+  check_memory(config);
+  SampleOptions options{.convention = convention_from_name(config.network.convention),
+                        .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
+                        .crop_px = config.samples.crop_px,
+                        .start = config.start,
+                        .most = config.samples.most_validation};
+  const NetworkSamples validation = network_samples(config.validation, config.finder, options);
+  options.most = config.samples.most;
+  const NetworkSamples training = network_samples(config.source, config.finder, options);
+  NetworkTrainingRun begun = run;
+  begun.initial = config.initial;
+  return {train_network(config.network, config.training, config.augmentation, training.samples,
+                        validation.samples, begun),
+          training.frames, validation.frames};
+}
+
+}  // namespace knuckle

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "knuckle/pipeline/hand_finder.h"
+#include "knuckle/pipeline/network_samples.h"
+#include "knuckle/training/network_training.h"
+
+namespace knuckle {
+
+/// Which frames of the sources become samples: the `[samples]` table.
+struct NetworkSampleOptions {
+  int most = 0;             ///< Frames of `source` used at most, evenly spread, [0, 1e9]; 0: all
+  int most_validation = 0;  ///< The same of `validation`
+  int crop_px = 144;        ///< Size that is kept of each hand, so that views can turn and shift, [2, 4096]
+  double memory_gb = 8.0;   ///< More than that is an error, (0, 10000]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// A configuration of `train network`: where frames come from, how hands are cut out of them, what is trained
+/// and how.
+///
+///     source = "synthetic:../manifests/train_network.toml"  # any source; a relative path starts here
+///     validation = "synthetic:../manifests/validate_network.toml"  # frames that are not trained on
+///     initial = "../models/dense.pt"  # begin with its weights; without this line with random ones
+///     start = "nearest"             # nearest | truth: where segmentation starts
+///     [hand]                        # as in a pipeline file
+///     [segmentation]
+///     [patch]
+///     [samples]                     # NetworkSampleOptions
+///     [network]                     # NetworkOptions
+///     [augmentation]                # AugmentationOptions
+///     [training]                    # NetworkTrainingOptions
+struct NetworkTrainingConfig {
+  std::string source;
+  std::string validation;
+  std::filesystem::path initial;  ///< empty: random weights
+  Start start = Start::nearest;
+  HandFinder finder;
+  NetworkSampleOptions samples;
+  NetworkOptions network;
+  AugmentationOptions augmentation;
+  NetworkTrainingOptions training;
+  std::string resolved_options;  ///< the file with all defaults filled in
+
+  /// Throws an Error that names file, line and key where the file is wrong.
+  static NetworkTrainingConfig load(const std::filesystem::path& path);
+};
+
+struct NetworkTrainingResult {
+  std::vector<TrainingMetrics> metrics;
+  SampleFrames frames;
+  SampleFrames validation_frames;
+};
+
+/// Cuts samples out of both sources and trains. Throws an Error where a source has no truth, no frame of it
+/// can be used, or the samples take more memory than they may.
+NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config,
+                                           const NetworkTrainingRun& run);
+
+}  // namespace knuckle

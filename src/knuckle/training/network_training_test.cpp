@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/network_training.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <torch/cuda.h>
+#include <torch/utils.h>
+
+#include "knuckle/core/file_io.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file.h"
+#include "knuckle/net/pose_network.h"
+#include "knuckle/training/archive.h"
+#include "knuckle/training/batch_loader.h"
+#include "knuckle/training/network_writer.h"
+#include "knuckle/training/training_testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::made_up_samples;
+using testing::no_augmentation;
+using ::testing::Not;
+using testing::short_training;
+using testing::small_network;
+using testing::TemporaryFolder;
+
+using Begin = NetworkTrainingRun::Begin;
+
+class NetworkTraining : public ::testing::Test {
+ protected:
+  ~NetworkTraining() override { set_thread_count(0); }
+
+  NetworkTrainingRun run(const std::string& name = "net", Begin begin = Begin::anew) const {
+    NetworkTrainingRun result = testing::run_in(folder_.path(), name);
+    result.begin = begin;
+    return result;
+  }
+
+  std::vector<TrainingMetrics> train(const NetworkTrainingOptions& options, const NetworkTrainingRun& files,
+                                     const NetworkOptions& network = small_network()) const {
+    return train_network(network, options, {}, training_, validation_, files);
+  }
+
+  /// All weights and statistics of a checkpoint.
+  std::vector<torch::Tensor> state_of(const std::string& name) const {
+    ArchiveReader archive(folder_ / (name + ".checkpoint"), "knuckle-network-checkpoint", 1);
+    std::vector<torch::Tensor> state;
+    for (const char* const part : {"parameters", "buffers", "averages"}) {
+      for (const torch::Tensor& tensor : archive.tensors(part)) state.push_back(tensor);
+    }
+    return state;
+  }
+
+  void expect_same_state(const std::string& a, const std::string& b) const {
+    const std::vector<torch::Tensor> first = state_of(a);
+    const std::vector<torch::Tensor> second = state_of(b);
+    ASSERT_EQ(first.size(), second.size());
+    for (std::size_t i = 0; i < first.size(); ++i) EXPECT_TRUE(torch::equal(first[i], second[i])) << i;
+  }
+
+  TemporaryFolder folder_;
+  CubeSamples training_ = made_up_samples(8);
+  CubeSamples validation_ = made_up_samples(3);
+};
+
+class EveryArchitecture : public NetworkTraining, public ::testing::WithParamInterface<std::string_view> {
+ protected:
+  NetworkOptions network() const {
+    NetworkOptions options = small_network();
+    options.architecture = GetParam();
+    return options;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(, EveryArchitecture, ::testing::ValuesIn(network_architectures()),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+TEST_P(EveryArchitecture, HasTheSameWeightsForAnyNumberOfThreads) {
+  set_thread_count(1);
+  const auto one = train(short_training(), run("one"), network());
+  set_thread_count(2);
+  const auto two = train(short_training(), run("two"), network());
+  expect_same_state("one", "two");
+  ASSERT_EQ(one.size(), 2u);
+  EXPECT_EQ(one.back().validation.second_mm, two.back().validation.second_mm);
+}
+
+TEST_P(EveryArchitecture, GoesOnFromACheckpointToTheSameBits) {
+  for (const std::string optimiser : {"adamw", "sgd"}) {
+    NetworkTrainingOptions options = short_training();
+    options.optimiser = optimiser;
+    train(options, run("whole"), network());
+    NetworkTrainingRun stopped = run("parts");
+    stopped.stop_after_steps = 3;  // not where it validates
+    EXPECT_EQ(train(options, stopped, network()).back().step, 3);
+    const auto metrics = train(options, run("parts", Begin::from_checkpoint), network());
+    EXPECT_EQ(metrics.back().step, 4);
+    EXPECT_EQ(metrics.front().step, 2) << "what was measured before the stop is kept";
+    expect_same_state("whole", "parts");
+  }
+}
+
+TEST_P(EveryArchitecture, ItsModelGivesTheAnswersOfTheValidation) {
+  const std::vector<TrainingMetrics> metrics = train(short_training(), run(), network());
+  const auto best =
+      std::ranges::min_element(metrics, {}, [](const TrainingMetrics& m) { return m.validation.second_mm; });
+  const PoseNetwork model(folder_ / "net.pt");
+  EXPECT_EQ(model.options().architecture, GetParam());
+  const CubeViewer viewer(validation_);
+  double sum_mm = 0.0;
+  for (std::int64_t i = 0; i < validation_.size(); ++i) {
+    const CubeSample sample = validation_.sample(i);
+    Image<float> patch(testing::kTestCube.size_px, testing::kTestCube.size_px);
+    Random unused(0);
+    viewer.view_pixels(sample, {}, {}, unused, patch.pixels());
+    std::vector<float> truth(sample.joints.size());
+    viewer.view_joints(sample, {}, truth);
+    const NetworkPrediction prediction = model.predict(patch);
+    ASSERT_EQ(prediction.joints.size(), 14u);
+    for (std::size_t j = 0; j < prediction.joints.size(); ++j) {
+      const PatchPoint& joint = prediction.joints[j];
+      const float found[] = {static_cast<float>(joint.u), static_cast<float>(joint.v),
+                             static_cast<float>(joint.d)};
+      const std::span<const float, 3> is(truth.data() + 3 * j, 3);
+      sum_mm += (viewer.in_camera(sample, {}, found) - viewer.in_camera(sample, {}, is)).norm();
+    }
+  }
+  const double mean_mm = sum_mm / static_cast<double>(14 * validation_.size());
+  EXPECT_NEAR(mean_mm, best->validation.first_mm, 0.01 * mean_mm) << "but for half precision";
+}
+
+TEST_F(NetworkTraining, DenseLearnsASmallSetByHeart) {
+  NetworkTrainingOptions options = short_training();
+  options.epochs = 300;
+  options.batch_size = 8;
+  options.shards = 1;
+  options.validate_every = 150;
+  options.learning_rate.learning_rate = 1e-2;
+  options.average_decay = 0.9;
+  const auto metrics =
+      train_network(small_network(), options, no_augmentation(), training_, training_, run());
+  EXPECT_LT(metrics.back().validation.first_mm, 1.0);
+  EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
+}
+
+TEST_P(EveryArchitecture, BeginsWithTheWeightsOfAModel) {
+  train(short_training(), run("first"), network());
+  NetworkTrainingOptions still = short_training();
+  still.learning_rate.learning_rate = 1e-12;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  train(still, second, network());
+  const NetworkWeights expected = load_network_weights(folder_ / "first.pt");
+  const NetworkWeights begun = load_network_weights(folder_ / "second.pt");
+  EXPECT_TRUE(std::ranges::equal(begun.halves(), expected.halves()));
+}
+
+TEST_F(NetworkTraining, RefusesToBeginWithAModelOfAnotherKind) {
+  train(short_training(), run("first"));
+  NetworkOptions other = small_network();
+  other.patch.cube_mm = 300.0;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second, other); }),
+              AllOf(HasSubstr("first.pt"), HasSubstr("[network] or [patch] differs")));
+  second.initial = folder_ / "none.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), second); }), HasSubstr("none.pt"));
+}
+
+TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {
+  NetworkTrainingOptions options = short_training();
+  train(options, run());
+  options.seed = 2;
+  const NetworkTrainingRun again = run("net", Begin::from_checkpoint);
+  EXPECT_THAT(error_of([&] { train(options, again); }),
+              AllOf(HasSubstr("net.checkpoint"), HasSubstr("other options")));
+  options = short_training();
+  const CubeSamples more = made_up_samples(9);
+  EXPECT_THAT(error_of([&] { train_network(small_network(), options, {}, more, validation_, again); }),
+              HasSubstr("another number of samples"));
+  EXPECT_THAT(error_of([&] { train(options, run("none", Begin::from_checkpoint)); }),
+              AllOf(HasSubstr("none.checkpoint"), HasSubstr("no such file")));
+}
+
+TEST_F(NetworkTraining, ACheckpointThatIsCutShortIsRefusedByName) {
+  train(short_training(), run());
+  const std::string bytes = read_text_file(folder_ / "net.checkpoint");
+  for (const double part : {0.0, 0.01, 0.5, 0.999}) {
+    write_text_file(folder_ / "net.checkpoint",
+                    bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
+    const std::string error = error_of([&] { train(short_training(), run("net", Begin::from_checkpoint)); });
+    EXPECT_THAT(error, AllOf(HasSubstr("net.checkpoint"), HasSubstr("cut short"), Not(HasSubstr("\n"))))
+        << part;
+  }
+}
+
+/// Samples one of which has a joint so far away that its loss is infinite.
+CubeSamples poisoned_samples(std::int64_t count) {
+  CubeSamples samples(count, testing::kTestJoints, testing::kTestCube, testing::kTestCropPx);
+  for (std::int64_t i = 0; i < count; ++i) {
+    testing::MadeUpHand hand = testing::made_up_hand(static_cast<std::uint64_t>(i));
+    if (i == 0) hand.joints[0].u = 1e37;
+    samples.set(i, hand.crop, hand.joints, testing::kTestCentre);
+  }
+  samples.finish();
+  return samples;
+}
+
+bool is_poisoned(const TrainingBatch& batch) {
+  return std::ranges::any_of(batch.joints, [](float x) { return std::abs(x) > 1e30f; });
+}
+
+TEST_F(NetworkTraining, ALossThatIsNotFiniteEndsItAndKeepsTheStateBefore) {
+  const CubeSamples samples = poisoned_samples(8);
+  NetworkTrainingOptions options = short_training();
+  options.batch_size = options.shards = 1;
+  options.validate_every = 1;
+  std::int64_t bad_step = 0;
+  do {
+    BatchPlan plan(samples, no_augmentation(), 1, ++options.seed);
+    for (bad_step = 0; !is_poisoned(plan.batch(bad_step)); ++bad_step) {
+    }
+  } while (bad_step < 2);
+  const std::string error = error_of(
+      [&] { train_network(small_network(), options, no_augmentation(), samples, validation_, run()); });
+  EXPECT_THAT(error, AllOf(HasSubstr("the loss is"), HasSubstr(fmt::format("at step {},", bad_step)),
+                           HasSubstr("net.checkpoint keeps"), Not(HasSubstr("\n"))));
+  for (const torch::Tensor& tensor : state_of("net")) EXPECT_TRUE(torch::isfinite(tensor).all().item<bool>());
+  EXPECT_NO_THROW(PoseNetwork(folder_ / "net.pt"));
+}
+
+TEST_F(NetworkTraining, StopsWhereValidationGetsNoBetter) {
+  NetworkTrainingOptions options = short_training();
+  options.epochs = 1000;
+  options.validate_every = 1;
+  options.patience = 2;
+  options.learning_rate = {.learning_rate = 5.0, .schedule = "constant", .warm_up = 0.0};
+  const auto metrics = train(options, run());
+  ASSERT_LT(metrics.size(), 1000u);
+  const auto best =
+      std::ranges::min_element(metrics, {}, [](const TrainingMetrics& m) { return m.validation.second_mm; });
+  EXPECT_EQ(metrics.end() - best, 3) << "the best, and two that are no better";
+  EXPECT_EQ(train(options, run("net", Begin::from_checkpoint)).size(), metrics.size()) << "it stays ended";
+}
+
+TEST_F(NetworkTraining, EndsInTheTimeItIsGiven) {
+  NetworkTrainingOptions options = short_training();
+  options.epochs = 1e6;
+  NetworkTrainingRun timed = run();
+  timed.minutes = 0.5 / 60.0;
+  const auto metrics = train(options, timed);
+  EXPECT_GT(metrics.back().step, 0);
+  EXPECT_LT(metrics.back().learning_rate, 0.05 * options.learning_rate.learning_rate);
+}
+
+TEST_F(NetworkTraining, ABatchMayBeLargerThanTheSetAndOneShardToo) {
+  NetworkTrainingOptions options = short_training();
+  options.batch_size = 20;
+  options.epochs = 1;
+  const auto metrics = train(options, run());
+  ASSERT_EQ(metrics.size(), 1u);
+  EXPECT_EQ(metrics.front().samples, 20);
+}
+
+TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
+  const auto fault = [&](auto change) {
+    NetworkTrainingOptions options = short_training();
+    change(options);
+    return error_of([&] { train(options, run()); });
+  };
+  EXPECT_THAT(fault([](auto& o) { o.shards = 3; }),
+              HasSubstr("batch_size is 4, expected a multiple of shards, 3"));
+  EXPECT_THAT(fault([](auto& o) { o.batch_size = 0; }), HasSubstr("batch_size"));
+  EXPECT_THAT(fault([](auto& o) { o.optimiser = "lion"; }), HasSubstr("lion"));
+  EXPECT_THAT(fault([](auto& o) { o.epochs = kNaN; }), HasSubstr("epochs"));
+  EXPECT_THAT(fault([](auto& o) { o.learning_rate.warm_up = 2; }), HasSubstr("warm_up"));
+  const CubeSamples none = made_up_samples(0);
+  EXPECT_THAT(
+      error_of([&] { train_network(small_network(), short_training(), {}, none, validation_, run()); }),
+      HasSubstr("no sample to train on"));
+  EXPECT_THAT(error_of([&] { train_network(small_network(), short_training(), {}, training_, none, run()); }),
+              HasSubstr("no sample to validate on"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "net.pt"));
+}
+
+TEST_F(NetworkTraining, NamesADeviceThatIsNotThereAndAFileThatCannotBeWritten) {
+  NetworkTrainingRun elsewhere = run();
+  elsewhere.device = "abacus";
+  EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("abacus"));
+  if (!torch::cuda::is_available()) {
+    elsewhere.device = "cuda";
+    EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("device cuda"));
+  }
+  NetworkTrainingRun nowhere = run();
+  nowhere.model = "/proc/knuckle/net.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), nowhere); }),
+              AllOf(HasSubstr("/proc/knuckle"), Not(HasSubstr("\n"))));
+}
+
+TEST(MetricsCsv, HasALineAValidation) {
+  const std::vector<TrainingMetrics> metrics = {{.step = 2,
+                                                 .samples = 8,
+                                                 .learning_rate = 0.5,
+                                                 .training_loss = 0.25,
+                                                 .validation = {12.0, 11.5},
+                                                 .samples_per_second = 100.0,
+                                                 .waiting_share = 0.125}};
+  EXPECT_EQ(
+      metrics_csv(metrics),
+      "step,samples,learning_rate,training_loss,validation_first_mm,validation_second_mm,samples_per_second,"
+      "waiting_share\n2,8,0.5,0.25,12.000,11.500,100.0,0.1250\n");
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to the module: this header shows LibTorch.
+#pragma once
+
+#include <torch/types.h>
+
+#include "knuckle/net/cube_samples.h"
+#include "knuckle/training/network_module.h"
+#include "knuckle/training/network_training.h"
+
+namespace knuckle {
+
+/// The mean error of a network (in evaluation) over samples that are seen as they were cut out, and again
+/// around the mean of the joints found first.
+ValidationErrors validation_errors(NetworkModule& network, const CubeSamples& samples,
+                                   const torch::Device& device);
+
+}  // namespace knuckle

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paper's five networks.
+#include <torch/utils.h>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/net/net_testing.h"
+#include "knuckle/training/heat_map_network.h"
+#include "knuckle/training/network_training.h"
+#include "knuckle/training/regression_network.h"
+#include "knuckle/training/training_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::kTestJoints;
+using testing::TemporaryFolder;
+
+NetworkOptions paper_options(const std::string& architecture) {
+  NetworkOptions options;
+  options.architecture = architecture;
+  options.convention = "icg20";
+  options.paper.hidden_units = 64;  // of 4096: the paper's size is 49 million weights
+  return options;
+}
+
+NetworkOptions small_options(const std::string& architecture) {
+  NetworkOptions options = testing::small_network();
+  options.architecture = architecture;
+  return options;
+}
+
+int64_t parameter_count(const torch::nn::Module& module) {
+  int64_t count = 0;
+  for (const torch::Tensor& parameter : module.parameters()) count += parameter.numel();
+  return count;
+}
+
+constexpr int64_t kBanks = 416 + 18464 + 416 + 12832 + 272 + 8224;
+
+/// Weights and biases of fully connected layers of these widths.
+int64_t connected(std::initializer_list<int64_t> widths) {
+  int64_t count = 0;
+  for (const auto* width = widths.begin(); width + 1 != widths.end(); ++width)
+    count += (width[0] + 1) * width[1];
+  return count;
+}
+
+TEST(ConvolutionBanks, EndIn32MapsOf9x9Each) {
+  ConvolutionBanks banks(96, 16, 32);
+  EXPECT_EQ(banks.feature_count(), 7776);
+  EXPECT_EQ(parameter_count(banks), kBanks);
+  const torch::NoGradGuard no_gradient;
+  EXPECT_EQ(banks.forward(torch::rand({2, 1, 96, 96})).sizes(), torch::IntArrayRef({2, 7776}));
+  ConvolutionBanks smallest(32, 2, 3);
+  EXPECT_EQ(smallest.forward(torch::rand({1, 1, 32, 32})).size(1), smallest.feature_count());
+}
+
+struct Expected {
+  std::string architecture;
+  int64_t outputs;
+  int64_t parameters;
+};
+
+class PaperNetworks : public ::testing::TestWithParam<Expected> {};
+
+INSTANTIATE_TEST_SUITE_P(, PaperNetworks,
+                         ::testing::Values(Expected{"heatmap2d", 20 * 324, connected({7776, 64, 20 * 324})},
+                                           Expected{"heatmap25d", 20 * 349, connected({7776, 64, 20 * 349})},
+                                           Expected{"regression", 60, connected({7776, 64, 64, 60})},
+                                           Expected{"pca", 60, connected({7776, 64, 64, 20, 60})},
+                                           Expected{"autoencoder", 60,
+                                                    connected({7776, 64, 64, 20, 64, 60})}),
+                         [](const auto& instance) { return instance.param.architecture; });
+
+TEST(PaperNetworkOptions, AreThePapers) {
+  const PaperNetworkOptions options;
+  EXPECT_EQ(options.hidden_units, 4096);
+  EXPECT_EQ(options.subspace_units, 20);
+  EXPECT_EQ(options.dropout, 0.5);
+  EXPECT_EQ(options.map_cells, 18);
+  EXPECT_EQ(options.depth_bins, 25);
+}
+
+TEST_P(PaperNetworks, HaveThePapersLayers) {
+  const auto network = make_network(paper_options(GetParam().architecture), 1);
+  EXPECT_EQ(parameter_count(*network), kBanks + GetParam().parameters);
+  network->eval();
+  const torch::NoGradGuard no_gradient;
+  const torch::Tensor patches = torch::rand({1, 1, 96, 96}) - 0.5;
+  const torch::Tensor output = network->forward(patches);
+  EXPECT_EQ(output.sizes(), torch::IntArrayRef({1, GetParam().outputs}));
+  EXPECT_EQ(network->decode(output, patches).joints.sizes(), torch::IntArrayRef({1, 20, 3}));
+}
+
+TEST_P(PaperNetworks, TheLossHasTheGradientOfFiniteDifferences) {
+  const auto network = make_network(small_options(GetParam().architecture), 1);
+  torch::manual_seed(4);
+  const torch::Tensor patches = torch::rand({2, 1, 32, 32}, torch::kDouble);
+  torch::Tensor joints = 1.6 * torch::rand({2, kTestJoints, 3}, torch::kDouble) - 0.8;
+  joints[1][2][0] = kNaN;
+  const int64_t width = network->forward(patches.to(torch::kFloat)).size(1);
+  torch::Tensor output = torch::randn({2, width}, torch::kDouble);
+  output.set_requires_grad(true);
+  network->loss(output, patches, joints).backward();
+  const torch::Tensor gradient = output.grad().view(-1);
+  ASSERT_TRUE(torch::isfinite(gradient).all().item<bool>());
+  const torch::NoGradGuard no_gradient;
+  const torch::Tensor values = output.view(-1);
+  constexpr double kStep = 1e-5;
+  Random random(1);
+  for (int i = 0; i < 30; ++i) {
+    const auto place = static_cast<int64_t>(random.below(static_cast<std::uint32_t>(values.numel())));
+    const double before = values[place].item<double>();
+    values[place] = before + kStep;
+    const double above = network->loss(output, patches, joints).item<double>();
+    values[place] = before - kStep;
+    const double below = network->loss(output, patches, joints).item<double>();
+    values[place] = before;
+    EXPECT_NEAR(gradient[place].item<double>(), (above - below) / (2.0 * kStep), 1e-7) << place;
+  }
+}
+
+TEST_P(PaperNetworks, DropoutDependsOnItsSeedAloneAndSleepsInUse) {
+  const auto network = make_network(small_options(GetParam().architecture), 1);
+  const torch::NoGradGuard no_gradient;
+  const torch::Tensor patches = torch::rand({2, 1, 32, 32});
+  const auto forward = [&](std::uint64_t seed) {
+    network->seed_dropout(seed);
+    return network->forward(patches);
+  };
+  EXPECT_TRUE(torch::equal(forward(1), forward(1)));
+  EXPECT_FALSE(torch::equal(forward(1), forward(2)));
+  network->eval();
+  EXPECT_TRUE(torch::equal(forward(1), forward(2)));
+}
+
+TEST_P(PaperNetworks, LearnASmallSetByHeart) {
+  const TemporaryFolder folder;
+  NetworkOptions network = small_options(GetParam().architecture);
+  network.paper.dropout = 0.0;
+  NetworkTrainingOptions options = testing::short_training();
+  options.epochs = 400;
+  options.batch_size = 8;
+  options.shards = 1;
+  options.validate_every = 200;
+  options.average_decay = 0.9;
+  options.gradient_clip = 0.0;
+  options.learning_rate.learning_rate = 3e-3;
+  const CubeSamples samples = testing::made_up_samples(8);
+  const auto metrics = train_network(network, options, testing::no_augmentation(), samples, samples,
+                                     testing::run_in(folder.path(), "net"));
+  // Depth that is looked up is that of the surface, as it was stored. Two linear layers in a row learn
+  // slowly.
+  EXPECT_LT(metrics.back().validation.first_mm, GetParam().architecture == "pca" ? 5.0 : 1.5);
+}
+
+TEST(FullyConnected, DropoutLeavesOutItsShareAndKeepsTheMean) {
+  FullyConnected layers(1, {{20000, FullyConnected::Activation::hidden}}, 0.3);
+  const torch::NoGradGuard no_gradient;
+  for (torch::Tensor& parameter : layers.parameters()) parameter.fill_(1.0);  // all outputs are 3
+  layers.seed_dropout(1);
+  const torch::Tensor values = layers.forward(2.0 * torch::ones({1, 1}));
+  EXPECT_NEAR((values == 0).to(torch::kFloat).mean().item<double>(), 0.3, 0.02);
+  EXPECT_NEAR(values.mean().item<double>(), 3.0, 0.05);
+  layers.eval();
+  EXPECT_EQ(layers.forward(2.0 * torch::ones({1, 1})).min().item<double>(), 3.0);
+}
+
+class HeatMapTargets : public ::testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(, HeatMapTargets, ::testing::Values("gaussian", "mean_shift"));
+
+TEST_P(HeatMapTargets, ComeBackAsTheJointsTheyWereMadeOf) {
+  NetworkOptions options = small_options("heatmap25d");
+  options.paper.peak = GetParam();
+  HeatMapNetwork network(options);
+  torch::manual_seed(2);
+  const torch::Tensor joints = 1.2 * torch::rand({3, kTestJoints, 3}) - 0.6;
+  const torch::Tensor targets = network.targets(joints);
+  const torch::Tensor patches = torch::ones({3, 1, 32, 32});
+  const NetworkAnswer answer = network.decode(targets, patches);
+  EXPECT_TRUE(torch::allclose(answer.joints, joints, 0.0, 5e-3));
+  EXPECT_EQ(network.loss(targets, patches, joints).item<float>(), 0.0f);
+  EXPECT_TRUE((answer.confidence > 0.7).all().item<bool>());
+}
+
+TEST(HeatMapNetwork, LooksUpTheDepthWhereItPredictsNone) {
+  HeatMapNetwork network(small_options("heatmap2d"));
+  const torch::Tensor joints = torch::zeros({1, kTestJoints, 3});
+  torch::Tensor patches = torch::ones({1, 1, 32, 32});
+  patches[0][0][16][16] = -0.25;
+  const torch::Tensor found = network.decode(network.targets(joints), patches).joints;
+  EXPECT_TRUE(torch::allclose(found.select(2, 2), torch::full({1, kTestJoints}, -0.25)));
+}
+
+}  // namespace
+}  // namespace knuckle

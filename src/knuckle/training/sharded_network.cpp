@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/sharded_network.h"
+
+#include <numeric>
+
+#include <torch/utils.h>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/training/torch_threads.h"
+
+namespace knuckle {
+
+ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed, int shards,
+                               const torch::Device& device)
+    : device_(device) {
+  for (int i = 0; i < shards; ++i) {
+    shards_.push_back(make_network(options, seed));
+    shards_.back()->to(device);
+    shards_.back()->train();
+    const std::vector<torch::Tensor> own = shards_.back()->parameters();
+    const std::vector<torch::Tensor> shared = parameters();
+    for (std::size_t p = 0; p < own.size(); ++p) own[p].set_data(shared[p].detach());
+  }
+}
+
+double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
+  std::vector<double> losses(shards_.size());
+  parallel_for(std::ssize(shards_), [&](std::int64_t i) {
+    const auto shard = static_cast<std::size_t>(i);
+    shards_[shard]->seed_dropout(derived_seed(seed, shard));
+    losses[shard] = backward_shard(batch, shard);
+  });
+  sum_gradients();
+  average_buffers();
+  return std::accumulate(losses.begin(), losses.end(), 0.0);
+}
+
+double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
+  use_calling_thread_alone();
+  NetworkModule& network = *shards_[shard];
+  for (torch::Tensor& parameter : network.parameters()) parameter.mutable_grad() = torch::Tensor();
+  const std::size_t parts = shards_.size();
+  const auto part_of = [&](std::vector<float>& values, std::vector<int64_t> shape) {
+    const std::size_t size = values.size() / parts;
+    return torch::from_blob(values.data() + shard * size, shape).to(device_);
+  };
+  const int64_t size = network.patch_size();
+  const auto count = static_cast<int64_t>(batch.patches.size() / parts) / (size * size);
+  const torch::Tensor patches = part_of(batch.patches, {count, 1, size, size});
+  const auto numbers = static_cast<int64_t>(batch.joints.size() / parts);
+  const torch::Tensor joints = part_of(batch.joints, {count, numbers / (3 * count), 3});
+  const torch::Tensor loss =
+      network.loss(network.forward(patches), patches, joints) / static_cast<double>(parts);
+  loss.backward();
+  return loss.item<double>();
+}
+
+void ShardedNetwork::sum_gradients() {
+  const torch::NoGradGuard no_gradient;
+  const std::vector<torch::Tensor> sums = parameters();
+  for (std::size_t shard = 1; shard < shards_.size(); ++shard) {
+    const std::vector<torch::Tensor> own = shards_[shard]->parameters();
+    for (std::size_t p = 0; p < sums.size(); ++p) {
+      if (own[p].grad().defined()) sums[p].mutable_grad().add_(own[p].grad());
+    }
+  }
+}
+
+void ShardedNetwork::average_buffers() {
+  const torch::NoGradGuard no_gradient;
+  const std::vector<torch::Tensor> means = buffers();
+  for (std::size_t shard = 1; shard < shards_.size(); ++shard) {
+    const std::vector<torch::Tensor> own = shards_[shard]->buffers();
+    for (std::size_t b = 0; b < means.size(); ++b) {
+      if (means[b].is_floating_point()) means[b].add_(own[b]);
+    }
+  }
+  for (const torch::Tensor& mean : means) {
+    if (mean.is_floating_point()) mean.div_(static_cast<double>(shards_.size()));
+  }
+  share_buffers();
+}
+
+void ShardedNetwork::share_buffers() {
+  const torch::NoGradGuard no_gradient;
+  const std::vector<torch::Tensor> from = buffers();
+  for (std::size_t shard = 1; shard < shards_.size(); ++shard) {
+    const std::vector<torch::Tensor> own = shards_[shard]->buffers();
+    for (std::size_t b = 0; b < from.size(); ++b) own[b].copy_(from[b]);
+  }
+}
+
+}  // namespace knuckle
