@@ -2,8 +2,6 @@
 // `knuckle experiment`: from data to report, and only what must be redone.
 #include "program.h"
 
-#include <map>
-
 #include "knuckle/core/file_io.h"
 
 namespace knuckle::testing {
@@ -43,16 +41,11 @@ class ExperimentTest : public ::testing::Test {
     return run_program(arguments);
   }
 
-  std::string read(const std::string& name) const { return read_text_file(out_ / name); }
-
-  /// When each file was last written.
-  std::map<std::filesystem::path, std::filesystem::file_time_type> times() const {
-    std::map<std::filesystem::path, std::filesystem::file_time_type> times;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(out_)) {
-      if (entry.is_regular_file()) times[entry.path()] = entry.last_write_time();
-    }
-    return times;
+  void add_to_plan(const std::string& toml) const {
+    write_text_file(folder_ / "plan.toml", read_text_file(folder_ / "plan.toml") + toml);
   }
+
+  std::string read(const std::string& name) const { return read_text_file(out_ / name); }
 
   TemporaryFolder folder_;
   std::filesystem::path out_ = std::filesystem::path(folder_ / "out");
@@ -62,34 +55,33 @@ TEST_F(ExperimentTest, GoesFromDataToReport) {
   ASSERT_THAT(run(), Succeeded());
   const std::string page = read("report.html");
   for (const char* part : {"A small plan", "The scene", "mean shift", "Frames with box overlap r &gt; t",
-                           "Mean 3D error of each joint", "median time of a frame"}) {
+                           "Mean 3D error of each joint", "Segmentation of a frame (ms)"}) {
     EXPECT_THAT(page, HasSubstr(part));
   }
   for (const char* file : {"models/forest.h5", "pipelines/forest.toml", "scene/boxes/mean_shift.csv",
-                           "scene/poses/forest.txt", "scene/metrics.json", "scene/figures/overlap.png"}) {
+                           "scene/poses/forest.txt", "scene/metrics.json", "scene/report.html",
+                           "figures/figure4_scene.png", "tables/poses.csv", "timings/frames.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(out_ / file)) << file;
   }
 }
 
 TEST_F(ExperimentTest, ASecondRunDoesNothing) {
   ASSERT_THAT(run(), Succeeded());
-  const auto before = times();
+  const auto before = write_times(out_);
   const ProgramRun again = run();
   ASSERT_THAT(again, Succeeded());
   EXPECT_THAT(again.out, Not(HasSubstr("training")));
-  EXPECT_EQ(times(), before);
+  EXPECT_EQ(write_times(out_), before);
 }
 
 TEST_F(ExperimentTest, RedoesOnlyWhatAChangeTouches) {
   ASSERT_THAT(run(), Succeeded());
-  const auto before = times();
+  const auto before = write_times(out_);
   write_text_file(folder_ / "mean_shift.toml",
                   "[segmentation]\nmethod = \"mean_shift\"\nbandwidth_mm = 12.0\n");
   ASSERT_THAT(run(), Succeeded());
-  const auto after = times();
-  const auto is_redone = [&](const std::string& file) {
-    return after.at(out_ / file) != before.at(out_ / file);
-  };
+  const auto after = write_times(out_);
+  const auto is_redone = [&](const std::string& file) { return after.at(file) != before.at(file); };
   EXPECT_TRUE(is_redone("scene/boxes/mean_shift.csv"));
   EXPECT_TRUE(is_redone("report.html"));
   EXPECT_FALSE(is_redone("scene/boxes/threshold.csv"));
@@ -98,9 +90,14 @@ TEST_F(ExperimentTest, RedoesOnlyWhatAChangeTouches) {
 }
 
 TEST_F(ExperimentTest, ScaleCutsTrainingAndTest) {
+  std::string scene = read_text_file(folder_ / "scene.toml");
+  scene.replace(scene.find("frames = 6"), 10, "frames = 24");
+  write_text_file(folder_ / "scene.toml", scene);
   ASSERT_THAT(run({"--scale", "0.5"}), Succeeded());
   const std::string boxes = read("scene/boxes/threshold.csv");
-  EXPECT_EQ(std::count(boxes.begin(), boxes.end(), '\n'), 1 + 3);
+  EXPECT_EQ(std::count(boxes.begin(), boxes.end(), '\n'), 1 + 12);
+  EXPECT_THAT(read("training/forest.h5.toml"), HasSubstr("splits_per_node = 20")) << "it was least already";
+  EXPECT_THAT(read("report.html"), HasSubstr("at scale 0.5"));
 }
 
 TEST_F(ExperimentTest, UsesTrainedModels) {
@@ -113,10 +110,36 @@ TEST_F(ExperimentTest, UsesTrainedModels) {
   EXPECT_EQ(read("models/forest.h5"), model);
 }
 
+TEST_F(ExperimentTest, AGivenModelMustBeWhatThePlanAsksFor) {
+  add_to_plan("[[model]]\nfile = \"dense.pt\"\nkind = \"network\"\nconfig = \"net.toml\"\ntrained = \"" +
+              std::filesystem::absolute("models/dense.pt").string() + "\"\n");
+  const std::string sources = "source = \"synthetic:scene.toml\"\nvalidation = \"synthetic:scene.toml\"\n";
+  const std::string cube = "[patch]\nmode = \"cube\"\n";
+  write_text_file(folder_ / "net.toml", sources + cube + "[network]\nconvention = \"icg20\"\n");
+  EXPECT_THAT(run(), FailedWith("dense.pt: its convention is knuckle22"));
+  write_text_file(folder_ / "net.toml", sources + cube + "[network]\narchitecture = \"pca\"\n");
+  EXPECT_THAT(run(), FailedWith("dense.pt: its architecture is dense"));
+  EXPECT_FALSE(std::filesystem::exists(out_ / "models/forest.h5"))
+      << "the fault is found before any training";
+  write_text_file(folder_ / "net.toml", sources + cube + "[network]\nconvention = \"knuckle22\"\n");
+  ASSERT_THAT(run(), Succeeded());
+  EXPECT_THAT(read("report.html"), HasSubstr("models/dense.pt"));
+}
+
+TEST_F(ExperimentTest, AFailedTrainingPassesItsErrorOn) {
+  add_to_plan("[[model]]\nfile = \"net.pt\"\nkind = \"network\"\nconfig = \"net.toml\"\n");
+  write_text_file(folder_ / "net.toml",
+                  "source = \"synthetic:scene.toml\"\nvalidation = \"synthetic:scene.toml\"\n"
+                  "[patch]\nmode = \"cube\"\n[samples]\nmemory_gb = 0.00001\n");
+  EXPECT_THAT(run(), FailedWith("more than memory_gb"));
+  EXPECT_THAT(run({"--device", "abacus"}), FailedWith("memory_gb")) << "sources are looked at first";
+}
+
 TEST_F(ExperimentTest, NamesWhatIsWrong) {
   EXPECT_THAT(run_program({"experiment", "nonsense", "--out", out_}), FailedWith("scia15"));
   EXPECT_THAT(run({"--scale", "0"}), FailedWith("scale"));
   EXPECT_THAT(run({"--scale", "nan"}), FailedWith("scale"));
+  EXPECT_THAT(run({"--models", folder_ / "nowhere"}), FailedWith("nowhere: no folder of trained models"));
   write_text_file(folder_ / "forest.toml",
                   "[estimator]\nmethod = \"forest\"\nmodel = \"../models/none.h5\"\n");
   EXPECT_THAT(run(), FailedWith("none.h5"));

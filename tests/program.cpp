@@ -93,4 +93,13 @@ std::vector<std::string> entries_of(const std::filesystem::path& folder) {
   return names;
 }
 
+std::map<std::string, std::filesystem::file_time_type> write_times(const std::filesystem::path& folder) {
+  std::map<std::string, std::filesystem::file_time_type> times;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    times[std::filesystem::relative(entry.path(), folder).string()] = entry.last_write_time();
+  }
+  return times;
+}
+
 }  // namespace knuckle::testing

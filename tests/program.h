@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -44,5 +45,8 @@ MATCHER_P(FailedWith, part, "") {
 
 /// Names of what lies in a folder, hidden files included; empty where there is no such folder.
 std::vector<std::string> entries_of(const std::filesystem::path& folder);
+
+/// When each file below a folder was last written, by its path in it.
+std::map<std::string, std::filesystem::file_time_type> write_times(const std::filesystem::path& folder);
 
 }  // namespace knuckle::testing

@@ -59,7 +59,9 @@ void add_demo(CLI::App& program) {
   CLI::App& verb = add_verb(program, "demo", "The shipped pipeline on a short recording, and its report",
                             "knuckle demo --out demo");
   auto arguments = std::make_shared<DemoArguments>();
-  verb.add_option("--out", arguments->out, "Folder for the report")->capture_default_str();
+  verb.add_option("--out", arguments->out, "Folder for the report")
+      ->type_name("FOLDER")
+      ->capture_default_str();
   verb.callback([arguments] { run_demo(*arguments); });
 }
 

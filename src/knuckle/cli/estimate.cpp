@@ -51,13 +51,16 @@ void add_estimate(CLI::App& program) {
   CLI::App& verb = add_verb(program, "estimate", "Estimate the pose of the hand in every frame of a source",
                             "knuckle estimate --source synthetic:manifests/demo.toml --out poses.txt");
   auto arguments = std::make_shared<EstimateArguments>();
-  verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
-  verb.add_option("--pipeline", arguments->pipeline, "Pipeline file")->capture_default_str();
+  add_source_option(verb, arguments->source);
+  verb.add_option("--pipeline", arguments->pipeline, "Pipeline file (pipelines/)")
+      ->type_name("FILE")
+      ->capture_default_str();
   verb.add_option("--out", arguments->out,
                   "Poses file: a line a frame, J x `u v d`; nan where there is no hand")
+      ->type_name("FILE")
       ->required();
-  verb.add_option("--json", arguments->json,
-                  "File for a summary as JSON: frames without a hand, times of each stage");
+  verb.add_option("--json", arguments->json, "Summary as JSON: frames without a hand, times of each stage")
+      ->type_name("FILE");
   add_init_option(verb, arguments->init);
   verb.callback([arguments] { run_estimate(*arguments); });
 }

@@ -156,25 +156,31 @@ void run_evaluate(const EvaluateArguments& arguments) {
 }  // namespace
 
 void add_evaluate(CLI::App& program) {
-  CLI::App& verb =
-      add_verb(program, "evaluate", "Score predicted poses against truth",
-               "knuckle evaluate --truth truth.txt --camera 588.03,-587.07,320,240 --convention nyu14 \\\n"
-               "      --predictions mine=poses.txt other=other.txt --out report");
+  CLI::App& verb = add_verb(
+      program, "evaluate", "Score predicted poses against truth",
+      "knuckle estimate --source synthetic:manifests/demo.toml --out poses.txt\n"
+      "  knuckle evaluate --truth synthetic:manifests/demo.toml --predictions mine=poses.txt --out report");
   auto arguments = std::make_shared<EvaluateArguments>();
   verb.add_option("--truth", arguments->truth,
                   "A source KIND:PATH, or a file of `u v d` lines (then with --camera)")
+      ->type_name("SOURCE")
       ->required();
-  verb.add_option("--predictions", arguments->predictions, "NAME=PATH of a poses file; several may follow");
+  verb.add_option("--predictions", arguments->predictions, "Poses files, each with a name for the report")
+      ->type_name("NAME=FILE");
   verb.add_option("--boxes", arguments->boxes,
-                  "NAME=PATH of what `segment` wrote, to be scored against the box of the true joints");
-  verb.add_option("--convention", arguments->convention, "Landmarks of files that do not name theirs");
-  verb.add_option("--camera", arguments->camera,
-                  "fx,fy,cx,cy [px] of a truth file; a negative fy: y points up");
-  verb.add_option("--out", arguments->out, "Folder for an HTML report with figures");
-  verb.add_option("--json", arguments->json, "File for the scores as JSON");
+                  "What `segment` wrote, to be scored against the box of the true joints")
+      ->type_name("NAME=FILE");
+  verb.add_option("--convention", arguments->convention,
+                  "Landmarks of files that do not name theirs; `knuckle info` lists them")
+      ->type_name("NAME");
+  verb.add_option("--camera", arguments->camera, "Camera of a truth file [px]; a negative fy: y points up")
+      ->type_name("FX,FY,CX,CY");
+  verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");
+  verb.add_option("--json", arguments->json, "The scores as JSON")->type_name("FILE");
   verb.add_option("--gallery", arguments->gallery.even_frames,
                   "Frames that the report shows, spread over the sequence")
-      ->check(CLI::Range(0, 1000))
+      ->check(CLI::Range(0, 1000).description(""))
+      ->type_name("N")
       ->capture_default_str();
   verb.callback([arguments] { run_evaluate(*arguments); });
 }

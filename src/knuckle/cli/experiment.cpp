@@ -30,7 +30,10 @@ void add_experiment(CLI::App& program) {
   verb.add_option("--out", arguments->options.out, "Folder for models, results and the report")->required();
   verb.add_option("--models", arguments->options.models,
                   "Folder of trained models to use instead of training");
-  verb.add_option("--scale", arguments->options.scale, "Part of all frames to train and test on, (0, 1]")
+  verb.add_option("--scale", arguments->options.scale,
+                  "How much of everything: frames, sizes of models, training; (0, 1]")
+      ->capture_default_str();
+  verb.add_option("--device", arguments->options.training.device, "Where networks are trained: cpu | cuda")
       ->capture_default_str();
   verb.callback([arguments] { run(*arguments); });
 }

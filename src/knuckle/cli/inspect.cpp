@@ -117,17 +117,22 @@ void add_inspect(CLI::App& program) {
       add_verb(program, "inspect", "Show what a source holds",
                "knuckle inspect --source synthetic:manifests/demo.toml --frame 3 --png frame.png");
   auto arguments = std::make_shared<InspectArguments>();
-  verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
-  verb.add_option("--frame", arguments->frame, "Frame to describe")
-      ->check(CLI::NonNegativeNumber)
+  add_source_option(verb, arguments->source);
+  verb.add_option("--frame", arguments->frame, "Frame to describe; the first is 0")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("N")
       ->capture_default_str();
-  verb.add_option("--png", arguments->png, "File for a picture of that frame, with the true skeleton");
+  verb.add_option("--png", arguments->png, "Picture of that frame, with the true skeleton")
+      ->type_name("FILE");
   verb.add_option("--panels", arguments->panels,
-                  "File for a picture of the hand in that frame's depth, mask and infrared, side by side");
+                  "Picture of the hand in that frame's depth, mask and infrared, side by side")
+      ->type_name("FILE");
   verb.add_flag(
       "--statistics", arguments->statistics,
       "Measure noise, holes and depth spread of the hand, as segmentation finds it, over all frames");
-  verb.add_option("--pipeline", arguments->pipeline, "Pipeline file whose segmentation finds the hand")
+  verb.add_option("--pipeline", arguments->pipeline,
+                  "Pipeline file whose segmentation finds the hand, for --statistics")
+      ->type_name("FILE")
       ->capture_default_str();
   verb.callback([arguments] { run_inspect(*arguments); });
 }

@@ -73,23 +73,33 @@ void add_render(CLI::App& program) {
                             "knuckle render --manifest manifests/demo.toml --out demo.h5\n"
                             "  knuckle render --manifest manifests/demo.toml --contact-sheet demo.png");
   auto arguments = std::make_shared<RenderArguments>();
-  verb.add_option("--manifest", arguments->manifest, "What to render (manifests/)")->required();
+  verb.add_option("--manifest", arguments->manifest, "What to render (manifests/)")
+      ->type_name("FILE")
+      ->required();
   verb.add_option("--out", arguments->out,
-                  "File (h5) or folder (folder, icg) to write; h5 goes on where a run was stopped");
+                  "File (h5) or folder (folder, icg) to write; h5 goes on where a run was stopped")
+      ->type_name("PATH");
   verb.add_option("--contact-sheet", arguments->sheet,
-                  "PNG with small pictures of the frames; alone, or beside --out");
+                  "PNG with small pictures of the frames; alone, or beside --out")
+      ->type_name("FILE");
   verb.add_option("--tiles", arguments->tiles, "Pictures on the contact sheet, spread evenly over the frames")
-      ->check(CLI::Range(1, 10000))
+      ->check(CLI::Range(1, 10000).description(""))
+      ->type_name("N")
       ->capture_default_str();
   verb.add_option("--columns", arguments->layout.columns, "Pictures in a row of the contact sheet")
-      ->check(CLI::Range(1, 100))
+      ->check(CLI::Range(1, 100).description(""))
+      ->type_name("N")
       ->capture_default_str();
-  verb.add_option("--format", arguments->format, "h5, folder or icg")->capture_default_str();
-  verb.add_option("--first", arguments->first, "First frame")
-      ->check(CLI::NonNegativeNumber)
+  verb.add_option("--format", arguments->format, "h5 | folder | icg")
+      ->type_name("NAME")
+      ->capture_default_str();
+  verb.add_option("--first", arguments->first, "Number of the first frame")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("N")
       ->capture_default_str();
   verb.add_option("--count", arguments->count, "Number of frames; 0: all from the first on")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("N")
       ->capture_default_str();
   verb.callback([arguments] { run_render(*arguments); });
 }

@@ -36,12 +36,16 @@ void add_segment(CLI::App& program) {
   CLI::App& verb = add_verb(program, "segment", "Find the hand in every frame of a source",
                             "knuckle segment --source synthetic:manifests/demo.toml --out boxes.csv");
   auto arguments = std::make_shared<SegmentArguments>();
-  verb.add_option("--source", arguments->source, "KIND:PATH[?first=..&count=..&step=..]")->required();
+  add_source_option(verb, arguments->source);
   verb.add_option("--pipeline", arguments->pipeline, "Pipeline file; its [hand] and [segmentation] count")
+      ->type_name("FILE")
       ->capture_default_str();
-  verb.add_option("--out", arguments->out, "CSV: frame,found,x,y,width,height,milliseconds")->required();
+  verb.add_option("--out", arguments->out, "CSV: frame,found,x,y,width,height,milliseconds")
+      ->type_name("FILE")
+      ->required();
   verb.add_option("--json", arguments->json,
-                  "File for a summary: times, and the overlap of masks where the source has true ones");
+                  "Summary as JSON: times, and the overlap of masks where the source has true ones")
+      ->type_name("FILE");
   add_init_option(verb, arguments->init);
   verb.callback([arguments] { run_segment(*arguments); });
 }

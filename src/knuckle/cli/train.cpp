@@ -65,8 +65,11 @@ void add_kind(CLI::App& train, const std::string& name, const std::string& descr
   CLI::App& verb = add_verb(train, name, description,
                             fmt::format("knuckle train {} --config {} --out forest.h5", name, config));
   auto arguments = std::make_shared<TrainArguments>();
-  verb.add_option("--config", arguments->config, "Source and options of the training")->required();
-  verb.add_option("--out", arguments->out, "File for the model")->required();
+  verb.add_option("--config", arguments->config,
+                  "Source and options of the training (pipelines/train_*.toml)")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("--out", arguments->out, "File for the model")->type_name("FILE")->required();
   verb.add_flag("--resume", arguments->resume,
                 "Go on where a training of the same configuration was stopped");
   verb.callback([arguments, run] { run(*arguments); });
@@ -81,6 +84,8 @@ void train_network(const NetworkArguments& /*checked*/) {
 
 void add_train(CLI::App& program) {
   CLI::App& train = *program.add_subcommand("train", "Train a model");
+  train.footer(
+      "Example:\n  knuckle train pose-forest --config pipelines/train_pose_forest.toml --out forest.h5");
   train.require_subcommand(1);
   add_kind(train, "pose-forest", "Train a regression forest that infers poses from patches",
            "pipelines/train_pose_forest.toml", train_pose_forest);

@@ -30,14 +30,24 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
                    const std::string& example) {
   CLI::App& verb = *program.add_subcommand(name, description);
   verb.footer("Example:\n  " + example);
-  verb.add_option_function<int>("--threads", set_thread_count, "Threads to use; 0: one a core")
-      ->check(CLI::Range(0, 4096))
+  verb.add_option_function<int>("--threads", set_thread_count, "Threads to use, 0 to 4096; 0: one a core")
+      ->check(CLI::Range(0, 4096).description(""))
+      ->type_name("N")
       ->default_str("0");
   return verb;
 }
 
+void add_source_option(CLI::App& verb, std::string& source) {
+  verb.add_option(
+          "--source", source,
+          "Where frames come from, KIND:PATH[?first=..&count=..&step=..]; `knuckle info` lists the kinds")
+      ->type_name("SOURCE")
+      ->required();
+}
+
 void add_init_option(CLI::App& verb, std::string& init) {
-  verb.add_option("--init", init, "Where segmentation starts: nearest point, or the true palm")
+  verb.add_option("--init", init, "Where segmentation starts: at the nearest point, or at the true palm")
+      ->type_name("")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kStartNames), std::end(kStartNames))))
       ->capture_default_str();
 }

@@ -26,6 +26,9 @@ void add_render(CLI::App& program);
 void add_segment(CLI::App& program);
 void add_train(CLI::App& program);
 
+/// Adds --source, which must be given.
+void add_source_option(CLI::App& verb, std::string& source);
+
 /// Adds --init nearest|truth: where segmentation starts.
 void add_init_option(CLI::App& verb, std::string& init);
 

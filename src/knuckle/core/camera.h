@@ -11,6 +11,7 @@ enum class PixelOrigin {
   corner,  ///< the outer corner of the first pixel is (0, 0), so its centre is (0.5, 0.5)
 };
 
+/// How a camera maps points to its image.
 enum class CameraModel {
   projective,    ///< pinhole with OpenCV's distortion
   orthographic,  ///< parallel rays along z

@@ -12,7 +12,8 @@ namespace knuckle {
 /// The whole file as text. Throws an Error that names the file where it cannot be read.
 std::string read_text_file(const std::filesystem::path& path);
 
-/// The file's lines without their ends (\n or \r\n). A last line without an end counts.
+/// The file's lines without their ends (line feed, or carriage return and line feed). A last line without an
+/// end counts.
 std::vector<std::string> read_lines(const std::filesystem::path& path);
 
 /// Writes a file so that it appears under its name only when whole: `write` fills a temporary file beside it

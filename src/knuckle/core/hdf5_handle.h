@@ -43,9 +43,12 @@ class Hdf5Id {
 
 /// The type of texts in our files: UTF-8 of any length.
 Hdf5Id variable_text_type();
+/// The shape in the type that HDF5 asks for.
 std::vector<hsize_t> as_dimensions(const std::vector<std::uint64_t>& shape);
+/// A data space of that shape.
 Hdf5Id simple_space(const std::vector<std::uint64_t>& shape);
 
+/// An open file with its path, for messages; closed in the end.
 struct Hdf5File::Handle {
   std::filesystem::path path;
   hid_t file = H5I_INVALID_HID;

@@ -97,6 +97,7 @@ struct ConventionMapping {
   std::vector<Landmark> missing;  ///< in the target only
 };
 
+/// Which landmarks the two share, and where each lies in the source.
 ConventionMapping map_convention(const Convention& source, const Convention& target);
 
 /// Two landmarks joined by a bone: what a drawing of the hand connects. Only pairs that the convention holds;
@@ -106,6 +107,7 @@ struct Bone {
   int to;    ///< index into the convention, nearer to the tip
 };
 
+/// The bones of a convention, from the wrist or palm outwards.
 std::vector<Bone> skeleton_of(const Convention& convention);
 
 }  // namespace knuckle

@@ -27,21 +27,27 @@ struct Interval {
   std::string text() const;           ///< as in "(0, 500]"
 };
 
+/// [low, high].
 inline Interval closed(double low, double high) {
   return {low, high, false, false};
 }
+/// (low, high].
 inline Interval open_closed(double low, double high) {
   return {low, high, true, false};
 }
+/// [low, high).
 inline Interval closed_open(double low, double high) {
   return {low, high, false, true};
 }
+/// (low, high).
 inline Interval open_interval(double low, double high) {
   return {low, high, true, true};
 }
+/// [low, infinity).
 inline Interval at_least(double low) {
   return {low, std::numeric_limits<double>::infinity(), false, true};
 }
+/// (low, infinity).
 inline Interval above(double low) {
   return {low, std::numeric_limits<double>::infinity(), true, true};
 }

@@ -14,6 +14,7 @@ namespace knuckle {
 /// A point in camera coordinates [mm]: x right, y down, z forward.
 using Point3 = Eigen::Vector3d;
 
+/// What stands for a coordinate that is not known.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A point of the image with its depth: the paper's u = (u, v, d). (u, v) = (i, j) is the centre of pixel

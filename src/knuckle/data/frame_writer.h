@@ -32,6 +32,7 @@ class FrameWriter {
   virtual void finish() = 0;
 };
 
+/// Which frames a writer is given, and how it stores them.
 struct FrameWriterOptions {
   std::int64_t first = 0;  ///< index of the first frame, >= 0
   std::int64_t count = 0;  ///< number of frames, >= 0; 0 = as many as come (not for h5)

@@ -25,11 +25,14 @@ inline constexpr std::string_view kH5Intrinsics = "intrinsics";
 /// N int8: 0 = a right hand, 1 = a left one, -1 = not known; may be missing.
 inline constexpr std::string_view kH5Side = "side";
 
+/// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
+/// The newest version that is known; 2 added the intrinsics of each frame.
 inline constexpr int kH5Version = 2;
 
 /// The side as its number in the file, and back. Throws an Error that starts with `where` at other numbers.
 std::int8_t code_of(std::optional<HandSide> side);
+/// The side from that number.
 std::optional<HandSide> side_of(std::int8_t code, std::string_view where);
 
 /// The camera of the first frame as attributes of the file.

@@ -12,6 +12,7 @@
 
 namespace knuckle {
 
+/// Settings of a `hands17:` source.
 struct Hands17Options {
   std::string annotation;  ///< name of the annotation file; empty: Training_Annotation.txt where there is one
 

@@ -12,6 +12,7 @@ namespace knuckle {
 
 // Names and constants of the ICG set, which its reader and writer share.
 
+/// Names that the file with the camera has in different copies of the set.
 inline constexpr std::string_view kIcgCalibrationNames[] = {"calibration_depth.txt", "calib.txt"};
 inline constexpr float kIcgBackgroundMetres = 1e10f;  ///< what Blender gives a ray that hits nothing
 

@@ -12,6 +12,7 @@
 
 namespace knuckle {
 
+/// Settings of an `icg:` source.
 struct IcgOptions {
   std::string
       annotator;  ///< whose labels to take; empty: the first that is there, verified ones before others

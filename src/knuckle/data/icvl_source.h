@@ -11,6 +11,7 @@
 
 namespace knuckle {
 
+/// Settings of an `icvl:` source.
 struct IcvlOptions {
   std::string labels;  ///< name of the label file; empty: labels.txt where there is one
 

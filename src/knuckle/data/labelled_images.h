@@ -22,6 +22,7 @@ class LabelledImages {
   std::int64_t size() const;
   bool has_labels() const { return lines_.has_value(); }
 
+  /// One image with its label.
   struct Entry {
     std::string name;             ///< of the image, relative
     std::filesystem::path path;   ///< of the image

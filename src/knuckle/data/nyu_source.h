@@ -12,6 +12,7 @@
 
 namespace knuckle {
 
+/// Settings of a `nyu:` source.
 struct NyuOptions {
   int view = 1;  ///< which of the three cameras, [1, 3]
 

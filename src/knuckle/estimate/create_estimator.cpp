@@ -19,19 +19,23 @@ namespace {
 
 struct Method {
   std::string_view name;
-  /// Reads the options of the method alone from the table, then the model.
-  std::unique_ptr<Estimator> (*load)(const std::filesystem::path& model, const OptionTable& table);
+  /// Reads the options of the method alone from the table, then the model, where it has one.
+  std::unique_ptr<Estimator> (*load)(const OptionTable& table);
 };
 
-std::unique_ptr<Estimator> load_forest(const std::filesystem::path& model, const OptionTable&) {
-  return std::make_unique<PoseForestEstimator>(load_pose_forest(model));
+std::filesystem::path model_of(const OptionTable& table) {
+  return table.resolved_path(table.required_text("model"));
+}
+
+std::unique_ptr<Estimator> load_forest(const OptionTable& table) {
+  return std::make_unique<PoseForestEstimator>(load_pose_forest(model_of(table)));
 }
 
 /// The method is the name of the network's architecture.
-std::unique_ptr<Estimator> load_network_estimator(const std::filesystem::path& model,
-                                                  const OptionTable& table) {
+std::unique_ptr<Estimator> load_network_estimator(const OptionTable& table) {
   NetworkEstimatorOptions options;
   table.read(options);
+  const std::filesystem::path model = model_of(table);
   PoseNetwork network(model);
   const std::string method = table.required_text("method");
   if (network.options().architecture != method) {
@@ -95,10 +99,9 @@ std::unique_ptr<Estimator> create_estimator(const OptionTable& table) {
     const std::vector<std::string> known(kNames.begin(), kNames.end());
     table.fail_at("method", fmt::format("no estimator \"{}\"; known: {}", name, joined(known)));
   }
-  const std::string model = table.required_text("model");
   Expectations expected;
   table.read(expected);
-  std::unique_ptr<Estimator> estimator = method->load(table.resolved_path(model), table);
+  std::unique_ptr<Estimator> estimator = method->load(table);
   table.finish();
   check(*estimator, expected, table);
   return estimator;

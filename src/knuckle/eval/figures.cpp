@@ -15,8 +15,8 @@ namespace knuckle {
 namespace {
 
 // Okabe and Ito, "Color universal design" (2008), without black and yellow, which vanish on dark or white
-// paper.
-constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+// paper, and with a grey that is seen on both.
+constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a8a"};
 constexpr std::array kDashes = {"1", "2", "4", "5"};  // gnuplot's dash types: solid, dashed, dash-dotted, ...
 constexpr std::array kDensities = {1.0, 0.5, 0.25};   // of bars, where the colours repeat
 constexpr std::size_t kLongestLegendEntry = 36;       // characters

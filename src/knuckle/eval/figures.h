@@ -14,6 +14,7 @@ struct Series {
   std::vector<double> values;  ///< one a place on the x axis; NaN leaves a gap
 };
 
+/// What a figure draws.
 enum class FigureKind {
   curves,  ///< a line a series over numbers
   bars,    ///< a group of bars, one a series, over each category
@@ -36,7 +37,7 @@ struct Figure {
 void write_figures(std::span<const Figure> figures, const std::filesystem::path& folder);
 
 /// The colour of the i-th series of every figure, as "#rrggbb": those of Okabe and Ito that are seen on white
-/// and on black, told apart by colour-blind readers; they repeat with another dash.
+/// and on black, told apart by colour-blind readers, and grey; these seven repeat with another dash.
 std::string series_colour(std::size_t index);
 
 }  // namespace knuckle

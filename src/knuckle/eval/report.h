@@ -30,11 +30,8 @@ struct ReportTable {
 
 /// What a report tells. Every part may be empty: without truth there is only the gallery.
 struct Report {
-  std::string
-      id;  ///< of this part where a page has several: its figures and files lie in a folder of that name
   std::string title = "Hand pose evaluation";
   std::vector<ReportFact> facts;
-  std::vector<ReportTable> tables;
   std::optional<Evaluation> evaluation;
   std::vector<SegmentationScore> segmentation;
   std::vector<GalleryRow> gallery;
@@ -52,21 +49,16 @@ struct ReportFigures {
   std::vector<DrawnFigure> segmentation;
 };
 
-/// A report and what was drawn for it.
-struct ReportPart {
-  Report report;
-  ReportFigures figures;
-};
+/// Writes the files of figures into `folder` (made where it is missing) and keeps them for a page.
+std::vector<DrawnFigure> drawn(const std::vector<Figure>& figures, const std::filesystem::path& folder);
 
-/// The reports as one HTML page that needs no other file: figures as inline SVG, pictures as PNG inside.
-std::string report_html(std::span<const ReportPart> parts);
+/// The report as an HTML page that needs no other file: figures as inline SVG, pictures as PNG inside.
+std::string report_html(const Report& report, const ReportFigures& figures);
 
 /// Writes into `folder` (made where it is missing) `report.html`, and beside it `figures/NAME.svg` and
 /// `.png`, `metrics.json`, `curves.csv` and `joints.csv` where the report has an evaluation, `metrics.json`
 /// and `overlaps.csv` where it has boxes. Returns the path of the page, which is written last. Throws an
 /// Error where gnuplot is missing or a file cannot be written.
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder);
-/// The same for several reports on one page; the files of each lie in `folder / id`.
-std::filesystem::path write_report(std::span<const Report> reports, const std::filesystem::path& folder);
 
 }  // namespace knuckle

@@ -10,6 +10,7 @@
 
 #include "knuckle/core/text.h"
 #include "knuckle/eval/drawing.h"
+#include "knuckle/eval/report_style.h"
 
 namespace knuckle {
 namespace {
@@ -40,18 +41,8 @@ std::string number(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "\u2013";
 }
 
-enum class Better { lower, higher, neither };
-
-/// A column of a table: a number for each row.
-struct Column {
-  std::string head;
-  std::vector<double> values;
-  int digits = 1;
-  Better better = Better::lower;
-};
-
 /// The value to print in bold: the best of several that differ in print, NaN where there is none.
-double best_of(const Column& column) {
+double best_of(const NumberColumn& column) {
   const std::vector<double>& values = column.values;
   const auto differs = [&](double value) {
     return number(value, column.digits) != number(values.front(), column.digits);
@@ -66,38 +57,18 @@ double best_of(const Column& column) {
   return best;
 }
 
-/// `row_heads` are HTML already.
-std::string table(const std::string& corner, const std::vector<std::string>& row_heads,
-                  const std::vector<Column>& columns) {
-  std::string html = fmt::format("<div class=\"scroll\"><table>\n<thead><tr><th>{}</th>", corner);
-  for (const Column& column : columns) add(html, "<th>{}</th>", column.head);
-  html += "</tr></thead>\n<tbody>\n";
-  for (std::size_t row = 0; row < row_heads.size(); ++row) {
-    add(html, "<tr><td>{}</td>", row_heads[row]);
-    for (const Column& column : columns) {
-      const std::string text = number(column.values[row], column.digits);
-      const bool is_best =
-          text == number(best_of(column), column.digits) && std::isfinite(column.values[row]);
-      add(html, "<td{}>{}</td>", is_best ? " class=\"best\"" : "", text);
-    }
-    html += "</tr>\n";
-  }
-  return html + "</tbody></table></div>\n";
-}
-
 template <class Score>
 std::vector<std::string> method_heads(const std::vector<Score>& scores) {
   std::vector<std::string> heads;
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    heads.push_back(swatch(series_colour(i)) + html_escaped(scores[i].name));
-  }
+  for (std::size_t i = 0; i < scores.size(); ++i) heads.push_back(method_head(scores[i].name, i));
   return heads;
 }
 
 /// A column with one value a score.
 template <class Score, class Value>
-Column column(std::string head, const std::vector<Score>& scores, Value value, int digits, Better better) {
-  Column result{std::move(head), {}, digits, better};
+NumberColumn column(std::string head, const std::vector<Score>& scores, Value value, int digits,
+                    Better better) {
+  NumberColumn result{std::move(head), {}, digits, better};
   for (const Score& score : scores) result.values.push_back(static_cast<double>(std::invoke(value, score)));
   return result;
 }
@@ -108,16 +79,37 @@ bool compare_the_same(const Evaluation& evaluation) {
   });
 }
 
-std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {
-  std::string html = fmt::format("<div class=\"{}\">\n", style);
-  for (const DrawnFigure& drawn : figures) {
-    add(html, "<figure{}>{}</figure>\n", drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "",
-        inline_svg(drawn.svg, drawn.figure.title));
-  }
-  return html + "</div>\n";
+}  // namespace
+
+std::string html_page(std::string_view title, std::string_view body) {
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  add(page, "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      html_escaped(title), kReportStyle, body);
+  return page;
 }
 
-}  // namespace
+std::string number_table(const std::string& corner, const std::vector<std::string>& row_heads,
+                         const std::vector<NumberColumn>& columns) {
+  std::string html = fmt::format("<div class=\"scroll\"><table>\n<thead><tr><th>{}</th>", corner);
+  for (const NumberColumn& column : columns) add(html, "<th>{}</th>", column.head);
+  html += "</tr></thead>\n<tbody>\n";
+  for (std::size_t row = 0; row < row_heads.size(); ++row) {
+    add(html, "<tr><td>{}</td>", row_heads[row]);
+    for (const NumberColumn& column : columns) {
+      const std::string text = number(column.values[row], column.digits);
+      const bool is_best =
+          text == number(best_of(column), column.digits) && std::isfinite(column.values[row]);
+      add(html, "<td{}>{}</td>", is_best ? " class=\"best\"" : "", text);
+    }
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string method_head(const std::string& name, std::size_t index) {
+  return swatch(series_colour(index)) + html_escaped(name);
+}
 
 std::string head_section(const Report& report) {
   std::string html = "<h1>" + html_escaped(report.title) + "</h1>\n<dl class=\"facts\">\n";
@@ -155,7 +147,7 @@ std::string score_section(const Evaluation& evaluation) {
   const bool is_same = compare_the_same(evaluation);  // only then one can be called the best
   const Better lower = is_same ? Better::lower : Better::neither;
   const Better higher = is_same ? Better::higher : Better::neither;
-  std::vector<Column> columns = {
+  std::vector<NumberColumn> columns = {
       column("missing<br>frames", methods, &MethodScore::missing, 0, lower),
       column("mean 3D<br>(mm)", methods, &MethodScore::mean_3d_mm, 2, lower),
       column("median 3D<br>(mm)", methods, &MethodScore::median_3d_mm, 2, lower),
@@ -170,7 +162,7 @@ std::string score_section(const Evaluation& evaluation) {
                              percent, 1, higher));
   }
   columns.push_back(column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, higher));
-  return "<h2>Scores</h2>\n" + table("method", method_heads(methods), columns);
+  return "<h2>Scores</h2>\n" + number_table("method", method_heads(methods), columns);
 }
 
 std::string landmark_section(const Evaluation& evaluation) {
@@ -209,21 +201,30 @@ std::string segmentation_section(const std::vector<SegmentationScore>& scores,
     return 100.0 * score.fraction_above.at(kHalf);
   };
   return "<h2>Segmentation</h2>\n" +
-         table("method", method_heads(scores),
-               {column("frames", scores, &SegmentationScore::frames, 0, Better::neither),
-                column("missing<br>frames", scores, &SegmentationScore::missing, 0, Better::lower),
-                column("mean overlap r", scores, &SegmentationScore::mean_iou, 3, Better::higher),
-                column("median overlap r", scores, &SegmentationScore::median_iou, 3, Better::higher),
-                column("frames with<br>r &gt; 0.5 (%)", scores, above_half, 1, Better::higher)}) +
+         number_table("method", method_heads(scores),
+                      {column("frames", scores, &SegmentationScore::frames, 0, Better::neither),
+                       column("missing<br>frames", scores, &SegmentationScore::missing, 0, Better::lower),
+                       column("mean overlap r", scores, &SegmentationScore::mean_iou, 3, Better::higher),
+                       column("median overlap r", scores, &SegmentationScore::median_iou, 3, Better::higher),
+                       column("frames with<br>r &gt; 0.5 (%)", scores, above_half, 1, Better::higher)}) +
          figure_grid(figures, "figures single");
 }
 
+std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {
+  std::string html = fmt::format("<div class=\"{}\">\n", style);
+  for (const DrawnFigure& drawn : figures) {
+    add(html, "<figure{}>{}</figure>\n", drawn.figure.kind == FigureKind::bars ? " class=\"wide\"" : "",
+        inline_svg(drawn.svg, drawn.figure.title));
+  }
+  return html + "</div>\n";
+}
+
 std::string figure_section(const std::vector<DrawnFigure>& figures) {
-  return "<h2>Figures</h2>\n" + figure_grid(figures, "figures");
+  return "<h2>Figures</h2>\n" + figure_grid(figures);
 }
 
 std::string joint_section(const Evaluation& evaluation) {
-  std::vector<Column> columns;
+  std::vector<NumberColumn> columns;
   for (const MethodScore& method : evaluation.methods)
     columns.push_back({html_escaped(method.name), {}, 2, Better::neither});
   std::vector<std::string> heads;
@@ -235,8 +236,8 @@ std::string joint_section(const Evaluation& evaluation) {
       columns[i].values.push_back(joint == joints.end() ? kNaN : joint->mean_3d_mm);
     }
   }
-  return "<details><summary>Mean 3D error of each joint (mm)</summary>\n" + table("joint", heads, columns) +
-         "</details>\n";
+  return "<details><summary>Mean 3D error of each joint (mm)</summary>\n" +
+         number_table("joint", heads, columns) + "</details>\n";
 }
 
 std::string gallery_section(const std::vector<GalleryRow>& rows) {

@@ -10,8 +10,28 @@
 
 namespace knuckle {
 
+/// A whole page: `body` in the report's style.
+std::string html_page(std::string_view title, std::string_view body);
+
 /// Title and facts.
 std::string head_section(const Report& report);
+
+/// Which of a column's numbers is printed in bold.
+enum class Better { lower, higher, neither };
+
+/// A column of a table: a number for each row, NaN where it is not known.
+struct NumberColumn {
+  std::string head;  ///< HTML
+  std::vector<double> values;
+  int digits = 1;
+  Better better = Better::lower;
+};
+
+/// `row_heads` are HTML.
+std::string number_table(const std::string& corner, const std::vector<std::string>& row_heads,
+                         const std::vector<NumberColumn>& columns);
+/// The head of a method's row, with the colour that it has as the `index`-th series of a figure.
+std::string method_head(const std::string& name, std::size_t index);
 
 /// A table of its own, with heading and note.
 std::string table_section(const ReportTable& shown);
@@ -26,12 +46,16 @@ std::string landmark_section(const Evaluation& evaluation);
 std::string segmentation_section(const std::vector<SegmentationScore>& scores,
                                  const std::vector<DrawnFigure>& figures);
 
+/// Figures side by side; bars take the whole width.
+std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style = "figures");
+
 /// Curves and bars of the pose errors.
 std::string figure_section(const std::vector<DrawnFigure>& figures);
 
 /// Joints x methods: mean 3D error.
 std::string joint_section(const Evaluation& evaluation);
 
+/// Pictures of single frames: truth and predictions over the depth image.
 std::string gallery_section(const std::vector<GalleryRow>& rows);
 
 /// What the measures mean.

@@ -46,6 +46,15 @@ figure { margin: 0; }
 .pictures figcaption { display: flex; justify-content: space-between; gap: .8rem; padding: .3rem .1rem 0;
   overflow-wrap: anywhere; }
 .pictures figcaption span:last-child { white-space: nowrap; }
+table.texts th, table.texts td { text-align: left; white-space: normal; vertical-align: top; }
+table.texts td:first-child { width: 24rem; }
+.verdict { font-weight: 700; }
+table.texts td.verdict { white-space: nowrap; }
+.agrees { color: #009e73; }
+.in-part { color: #c98500; }
+.disagrees { color: #d55e00; }
+.not-known { color: var(--soft); }
+.warning { padding: .7rem 1rem; border-left: .3rem solid #e69f00; background: var(--card); }
 code { font-size: .9em; }
 details { margin-top: 1rem; }
 summary { cursor: pointer; font-weight: 600; }

@@ -8,6 +8,7 @@
 #include "knuckle/eval/drawing.h"
 #include "knuckle/eval/eval_fixtures.h"
 #include "knuckle/eval/html.h"
+#include "knuckle/eval/report_sections.h"
 #include "knuckle/eval/score_figures.h"
 
 namespace knuckle {
@@ -131,21 +132,18 @@ TEST_F(ReportTest, WithoutTruthThereIsAGallery) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "plain" / "metrics.json"));
 }
 
-TEST_F(ReportTest, SeveralReportsShareAPageAndHaveFoldersOfTheirOwn) {
-  Report other = report_;
-  report_.id = "first";
-  other.id = "second";
-  other.title = "Another";
-  other.tables = {{"Times & more", {"method", "ms"}, {{"a<b", "1.5"}}, "measured"}};
-  const std::vector<Report> reports = {report_, other};
-  const std::string html = read_text_file(write_report(reports, folder_.path()));
-  EXPECT_TRUE(is_well_formed_xml(body_of(html)));
-  EXPECT_EQ(count_of(html, "<h1>"), 2);
+TEST_F(ReportTest, ATableOfTextsIsEscaped) {
+  const std::string html = table_section({"Times & more", {"method", "ms"}, {{"a<b", "1.5"}}, "measured"});
+  EXPECT_TRUE(is_well_formed_xml("<body>" + html + "</body>"));
   EXPECT_THAT(html, HasSubstr("<h2>Times &amp; more</h2>"));
   EXPECT_THAT(html, HasSubstr("<td>a&lt;b</td><td>1.5</td>"));
-  EXPECT_EQ(count_of(html, "How to read this"), 1);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "first" / "metrics.json"));
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "second" / "figures" / "overlap.svg"));
+}
+
+TEST_F(ReportTest, ATableOfNumbersMarksTheBestAndLeavesOutWhatIsNotKnown) {
+  const std::string html = number_table(
+      "method", {"one", "two"}, {{"a", {2.0, 1.0}, 1, Better::lower}, {"b", {0.5, kNaN}, 1, Better::higher}});
+  EXPECT_THAT(html, HasSubstr("<td>two</td><td class=\"best\">1.0</td><td>\u2013</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>one</td><td>2.0</td><td class=\"best\">0.5</td>"));
 }
 
 TEST_F(ReportTest, AnUnwritableFolderIsNamed) {

@@ -64,22 +64,32 @@ Figure named(Figure figure, std::string name, std::string title, std::string y_l
 
 }  // namespace
 
+Figure all_joints_figure(const Evaluation& evaluation) {
+  return named(curve_figure(evaluation, &ErrorCurves::threshold_mm, &ErrorCurves::all_joints_within),
+               "all_joints_within", "Frames with all joints within D", "frames (%)");
+}
+
+Figure joints_3d_figure(const Evaluation& evaluation) {
+  return named(joint_figure(evaluation, &JointScore::mean_3d_mm, &MethodScore::mean_3d_mm), "joints_3d",
+               "Mean 3D error of each joint", "error (mm)");
+}
+
+Figure joints_2d_figure(const Evaluation& evaluation) {
+  return named(joint_figure(evaluation, &JointScore::mean_2d_px, &MethodScore::mean_2d_px), "joints_2d",
+               "Mean 2D error of each joint", "error (px)");
+}
+
 std::vector<Figure> figures_of(const Evaluation& evaluation) {
-  const auto over_mm = [&](std::vector<double> ErrorCurves::*fractions) {
-    return curve_figure(evaluation, &ErrorCurves::threshold_mm, fractions);
-  };
   return {
-      named(over_mm(&ErrorCurves::all_joints_within), "all_joints_within", "Frames with all joints within D",
-            "frames (%)"),
-      named(over_mm(&ErrorCurves::mean_within), "mean_within", "Frames with the mean joint error within D",
-            "frames (%)"),
-      named(over_mm(&ErrorCurves::joints_within), "joints_within", "Joints within D (PCK)", "joints (%)"),
+      all_joints_figure(evaluation),
+      named(curve_figure(evaluation, &ErrorCurves::threshold_mm, &ErrorCurves::mean_within), "mean_within",
+            "Frames with the mean joint error within D", "frames (%)"),
+      named(curve_figure(evaluation, &ErrorCurves::threshold_mm, &ErrorCurves::joints_within),
+            "joints_within", "Joints within D (PCK)", "joints (%)"),
       named(curve_figure(evaluation, &ErrorCurves::threshold_px, &ErrorCurves::joints_within_px),
             "joints_within_px", "Joints within R in the image", "joints (%)"),
-      named(joint_figure(evaluation, &JointScore::mean_3d_mm, &MethodScore::mean_3d_mm), "joints_3d",
-            "Mean 3D error of each joint", "error (mm)"),
-      named(joint_figure(evaluation, &JointScore::mean_2d_px, &MethodScore::mean_2d_px), "joints_2d",
-            "Mean 2D error of each joint", "error (px)"),
+      joints_3d_figure(evaluation),
+      joints_2d_figure(evaluation),
   };
 }
 

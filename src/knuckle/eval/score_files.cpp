@@ -43,14 +43,6 @@ ordered_json segmentation_json(const SegmentationScore& score) {
           {"mean_iou", score.mean_iou}, {"median_iou", score.median_iou}, {"fraction_above", above}};
 }
 
-/// A CSV field: in quotes where it holds a separator, quote or line end.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation) {
@@ -69,12 +61,19 @@ std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const
   return all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 std::string overlaps_csv(std::span<const SegmentationScore> boxes) {
   std::string text = "method,threshold,frames_above\n";
   for (const SegmentationScore& score : boxes) {
     for (std::size_t i = 0; i < score.threshold.size(); ++i) {
-      fmt::format_to(std::back_inserter(text), "{},{:.2f},{:.6f}\n", field(score.name), score.threshold[i],
-                     score.fraction_above[i]);
+      fmt::format_to(std::back_inserter(text), "{},{:.2f},{:.6f}\n", csv_field(score.name),
+                     score.threshold[i], score.fraction_above[i]);
     }
   }
   return text;
@@ -85,7 +84,7 @@ std::string curves_csv(const Evaluation& evaluation) {
   for (const MethodScore& method : evaluation.methods) {
     const ErrorCurves& curves = method.curves;
     for (std::size_t i = 0; i < curves.threshold_mm.size(); ++i) {
-      fmt::format_to(std::back_inserter(text), "{},{},{:.6f},{:.6f},{:.6f}\n", field(method.name),
+      fmt::format_to(std::back_inserter(text), "{},{},{:.6f},{:.6f},{:.6f}\n", csv_field(method.name),
                      curves.threshold_mm[i], curves.all_joints_within[i], curves.mean_within[i],
                      curves.joints_within[i]);
     }
@@ -97,9 +96,9 @@ std::string joints_csv(const Evaluation& evaluation) {
   std::string text = "method,joint,frames,mean_3d_mm,median_3d_mm,mean_2d_px,median_2d_px\n";
   for (const MethodScore& method : evaluation.methods) {
     for (const JointScore& joint : method.joints) {
-      fmt::format_to(std::back_inserter(text), "{},{},{},{:.4f},{:.4f},{:.4f},{:.4f}\n", field(method.name),
-                     name_of(joint.landmark), joint.frames, joint.mean_3d_mm, joint.median_3d_mm,
-                     joint.mean_2d_px, joint.median_2d_px);
+      fmt::format_to(std::back_inserter(text), "{},{},{},{:.4f},{:.4f},{:.4f},{:.4f}\n",
+                     csv_field(method.name), name_of(joint.landmark), joint.frames, joint.mean_3d_mm,
+                     joint.median_3d_mm, joint.mean_2d_px, joint.median_2d_px);
     }
   }
   return text;

@@ -18,6 +18,9 @@ std::string to_json(const Evaluation& evaluation);
 /// missing.
 std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes);
 
+/// A field of a CSV file: in quotes where it holds a separator, quote or line end.
+std::string csv_field(const std::string& text);
+
 /// The overlap curves as CSV: method, threshold, frames_above.
 std::string overlaps_csv(std::span<const SegmentationScore> boxes);
 

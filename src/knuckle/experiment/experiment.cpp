@@ -8,147 +8,193 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
 #include "knuckle/core/options.h"
-#include "knuckle/data/source_spec.h"
 #include "knuckle/eval/poses_file.h"
-#include "knuckle/experiment/experiment_report.h"
+#include "knuckle/experiment/check_model.h"
+#include "knuckle/experiment/layout.h"
+#include "knuckle/experiment/report_page.h"
+#include "knuckle/experiment/scale.h"
 #include "knuckle/experiment/step.h"
-#include "knuckle/experiment/trainers.h"
+#include "knuckle/experiment/training_config.h"
+#include "knuckle/experiment/training_record.h"
 #include "knuckle/pipeline/open_source.h"
 #include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/stopwatch.h"
 
 namespace knuckle {
 namespace {
 
-/// A source as an input: what it is called, and the content of its file or folder.
-void add_source(StepInputs& inputs, const std::string& source) {
-  inputs.add("source", source).add_content("source content", parse_source_spec(source).path);
-}
-
-/// A pipeline file as an input, with the models that it names.
-void add_pipeline(StepInputs& inputs, const std::filesystem::path& pipeline) {
-  inputs.add_content("pipeline", pipeline);
-  const OptionTable document = OptionTable::load(pipeline);
-  for (const char* table : {"segmentation", "estimator"}) {
-    const std::string model = document.table(table).text_or("model", "");
-    if (!model.empty()) inputs.add_content(fmt::format("{} model", table), document.resolved_path(model));
-  }
+void copy_whole_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  write_file_atomically(to, [&](const std::filesystem::path& temporary) {
+    std::filesystem::copy_file(from, temporary, std::filesystem::copy_options::overwrite_existing);
+  });
 }
 
 class Experiment {
  public:
-  Experiment(const ExperimentPlan& plan, const ExperimentOptions& options) : plan_(plan), options_(options) {}
+  Experiment(const ExperimentPlan& plan, const ExperimentOptions& options)
+      : plan_(plan), options_(options), folder_(options.out) {}
 
   std::filesystem::path run() const {
-    for (const PlannedModel& model : plan_.models) provide(model);
     for (const PlannedMethod& method : plan_.segmentation) provide_pipeline(method);
     for (const PlannedMethod& method : plan_.estimation) provide_pipeline(method);
+    // Those that are given come first: a wrong one is found before hours of training.
+    for (const PlannedModel& model : plan_.models) {
+      if (!given(model).empty()) take(model);
+    }
+    for (const PlannedModel& model : plan_.models) {
+      if (given(model).empty()) train(model);
+    }
     for (const PlannedSequence& sequence : plan_.sequences) run_on(sequence);
     return report();
   }
 
  private:
-  std::filesystem::path pipeline_of(const PlannedMethod& method) const {
-    return options_.out / "pipelines" / method.pipeline.filename();
-  }
-
-  void provide(const PlannedModel& model) const {
-    const std::filesystem::path out = options_.out / "models" / model.file;
-    const std::filesystem::path trained = options_.models / model.file;
-    StepInputs inputs;
-    if (!options_.models.empty() && std::filesystem::exists(trained)) {
-      inputs.add_content("trained", trained);
-      run_step(out, inputs, [&] { copy_file(trained, out); });
-      return;
-    }
-    inputs.add("kind", model.kind).add("scale", fmt::format("{}", options_.scale));
-    inputs.add_content("config", model.config);
-    add_source(inputs, training_source(model.kind, model.config));
-    run_step(out, inputs, [&] {
-      fmt::print("training {}\n", model.file);
-      train_model(model.kind, model.config, options_.scale, out);
-    });
-  }
-
+  /// Copies a pipeline to where its models are found as `../models/FILE`.
   void provide_pipeline(const PlannedMethod& method) const {
-    const std::filesystem::path out = pipeline_of(method);
+    check_models_of(method);
+    const std::filesystem::path out = folder_.pipeline(method);
     run_step(out, StepInputs().add_content("pipeline", method.pipeline),
-             [&] { copy_file(method.pipeline, out); });
+             [&](StepStart) { copy_whole_file(method.pipeline, out); });
   }
 
-  static void copy_file(const std::filesystem::path& from, const std::filesystem::path& to) {
-    write_file_atomically(to, [&](const std::filesystem::path& temporary) {
-      std::filesystem::copy_file(from, temporary, std::filesystem::copy_options::overwrite_existing);
+  /// A pipeline names models of the plan, or such as are there.
+  void check_models_of(const PlannedMethod& method) const {
+    const OptionTable document = OptionTable::load(method.pipeline);
+    for (const char* key : {"segmentation", "estimator"}) {
+      const OptionTable table = document.table(key);
+      const std::filesystem::path model = table.text_or("model", "");
+      if (model.empty()) continue;
+      const std::filesystem::path place = (folder_.pipeline(method).parent_path() / model).lexically_normal();
+      const bool is_planned = std::ranges::any_of(plan_.models, [&](const PlannedModel& planned) {
+        return folder_.model(planned).lexically_normal() == place;
+      });
+      if (!is_planned && !std::filesystem::exists(place)) {
+        table.fail_at("model",
+                      fmt::format("{} is no [[model]] of the experiment {}", model.string(), plan_.name));
+      }
+    }
+  }
+
+  /// The trained file that is used instead of a training; empty where there is none.
+  std::filesystem::path given(const PlannedModel& model) const {
+    const std::filesystem::path found = options_.models / model.file;
+    if (!options_.models.empty() && std::filesystem::exists(found)) return found;
+    return model.trained;
+  }
+
+  void take(const PlannedModel& model) const {
+    const std::filesystem::path from = given(model);
+    const std::filesystem::path out = folder_.model(model);
+    StepInputs inputs;
+    inputs.add("given", from.string()).add_content("model", from).add_content("config", model.config);
+    inputs.add_content_if_there("metrics", ExperimentFolder::metrics(from));
+    run_step(out, inputs, [&](StepStart) {
+      check_model(model.kind, model.config, from);
+      copy_whole_file(from, out);
+      std::filesystem::remove(ExperimentFolder::metrics(out));
+      if (std::filesystem::exists(ExperimentFolder::metrics(from))) {
+        copy_whole_file(ExperimentFolder::metrics(from), ExperimentFolder::metrics(out));
+      }
+      write_given_record(out, from);
     });
+  }
+
+  void train(const PlannedModel& model) const {
+    const std::filesystem::path out = folder_.model(model);
+    const ScaledTraining training =
+        write_scaled_training(model.kind, model.config, options_.scale, folder_.training_config(model));
+    StepInputs inputs;
+    inputs.add("kind", model.kind).add_content("config", training.config);
+    for (const std::string& source : training.sources) inputs.add_source("source", source);
+    for (const std::filesystem::path& file : training.models) inputs.add_content("model", file);
+    run_step(out, inputs, [&](StepStart start) {
+      fmt::print("training {}\n", model.file);
+      const Stopwatch watch;
+      std::filesystem::remove(ExperimentFolder::training_record(out));
+      train_model(model.kind, training.config, options_.training, start, out);
+      write_trained_record(out, watch.milliseconds() / 1000.0);
+    });
+    remove_training_checkpoint(out);
   }
 
   void run_on(const PlannedSequence& sequence) const {
-    const std::string source = scaled_source(sequence.source, options_.scale);
-    for (const PlannedMethod& method : plan_.segmentation) segment(sequence, source, method);
-    for (const PlannedMethod& method : plan_.estimation) estimate(sequence, source, method);
+    for (const PlannedMethod& method : plan_.segmentation) segment(sequence, method);
+    for (const PlannedMethod& method : plan_.estimation) estimate(sequence, method);
   }
 
-  StepInputs inputs_of(const std::string& source, const PlannedMethod& method) const {
-    StepInputs inputs;
-    add_source(inputs, source);
-    add_pipeline(inputs, pipeline_of(method));
-    return inputs;
+  std::string source_of(const PlannedSequence& sequence) const {
+    return scaled_test_source(sequence.source, options_.scale);
   }
 
-  void segment(const PlannedSequence& sequence, const std::string& source,
-               const PlannedMethod& method) const {
-    const std::filesystem::path out = boxes_file(options_.out, sequence, method);
-    run_step(out, inputs_of(source, method), [&] {
+  StepInputs inputs_of(const PlannedSequence& sequence, const PlannedMethod& method) const {
+    return StepInputs().add_source("source", source_of(sequence)).add_pipeline(folder_.pipeline(method));
+  }
+
+  void segment(const PlannedSequence& sequence, const PlannedMethod& method) const {
+    const std::filesystem::path out = folder_.boxes(sequence, method);
+    run_step(out, inputs_of(sequence, method), [&](StepStart) {
       fmt::print("{}: segmenting by {}\n", sequence.title, method.name);
-      const HandFinder finder = HandFinder::load(pipeline_of(method));
+      const std::string source = source_of(sequence);
+      const HandFinder finder = HandFinder::load(folder_.pipeline(method));
       const std::vector<FrameSegmentation> frames =
           segment_all(*open_source(source), finder, Start::nearest, source);
-      write_text_file(summary_file(out), summary_json(frames, source));
+      write_text_file(ExperimentFolder::summary(out), summary_json(frames, source));
       write_text_file(out, boxes_csv(frames));
     });
   }
 
-  void estimate(const PlannedSequence& sequence, const std::string& source,
-                const PlannedMethod& method) const {
-    const std::filesystem::path out = poses_file(options_.out, sequence, method);
-    run_step(out, inputs_of(source, method), [&] {
+  void estimate(const PlannedSequence& sequence, const PlannedMethod& method) const {
+    const std::filesystem::path out = folder_.poses(sequence, method);
+    run_step(out, inputs_of(sequence, method), [&](StepStart) {
       fmt::print("{}: estimating by {}\n", sequence.title, method.name);
-      const Pipeline pipeline = Pipeline::load(pipeline_of(method));
+      const std::string source = source_of(sequence);
+      const Pipeline pipeline = Pipeline::load(folder_.pipeline(method));
       const std::vector<FrameEstimate> frames =
           estimate_all(*open_source(source), pipeline, Start::truth, source);
-      write_text_file(summary_file(out), summary_json(frames, source, pipeline.convention()));
+      write_text_file(ExperimentFolder::summary(out), summary_json(frames, source, pipeline.convention()));
       write_poses_file(out, pipeline.convention(), poses_of(frames, pipeline.convention()));
     });
   }
 
-  /// The page depends on all boxes and poses, and on the truth.
+  /// The page depends on all models, boxes and poses, and on the truth.
   std::filesystem::path report() const {
     StepInputs inputs;
+    inputs.add("title", plan_.title).add("convention", plan_.convention.name).add("claims", plan_.claims);
+    inputs.add("scale", fmt::format("{}", options_.scale));
+    for (const PlannedModel& model : plan_.models) {
+      inputs.add_content(model.file, ExperimentFolder::training_record(folder_.model(model)));
+    }
     std::vector<std::string> sources;
-    inputs.add("title", plan_.title);
     for (const PlannedSequence& sequence : plan_.sequences) {
-      sources.push_back(scaled_source(sequence.source, options_.scale));
-      add_source(inputs, sources.back());
+      sources.push_back(source_of(sequence));
+      inputs.add_source(sequence.title, sources.back());
       for (const PlannedMethod& method : plan_.segmentation) {
-        inputs.add_content(method.name, boxes_file(options_.out, sequence, method));
+        inputs.add_content(method.name, folder_.boxes(sequence, method));
       }
       for (const PlannedMethod& method : plan_.estimation) {
-        inputs.add_content(method.name, poses_file(options_.out, sequence, method));
+        inputs.add_content(method.name, folder_.poses(sequence, method));
       }
     }
-    std::filesystem::path page = options_.out / "report.html";
-    run_step(page, inputs, [&] { write_experiment_report(plan_, sources, options_.out); });
-    return page;
+    run_step(folder_.report(), inputs, [&](StepStart) {
+      fmt::print("writing the report\n");
+      write_experiment_report(plan_, sources, options_.scale, folder_);
+    });
+    return folder_.report();
   }
 
   const ExperimentPlan& plan_;
   const ExperimentOptions& options_;
+  ExperimentFolder folder_;
 };
 
 }  // namespace
 
 std::filesystem::path run_experiment(const ExperimentPlan& plan, const ExperimentOptions& options) {
   if (!(options.scale > 0.0 && options.scale <= 1.0)) {
-    fail("scale is {}, expected a part of all frames in (0, 1]", options.scale);
+    fail("scale is {}, expected a part of the whole in (0, 1]", options.scale);
+  }
+  if (!options.models.empty() && !std::filesystem::is_directory(options.models)) {
+    fail("{}: no folder of trained models", options.models.string());
   }
   return Experiment(plan, options).run();
 }

@@ -4,28 +4,33 @@
 #include <filesystem>
 
 #include "knuckle/experiment/plan.h"
+#include "knuckle/experiment/train_model.h"
 
 namespace knuckle {
 
 /// How an experiment is run.
 struct ExperimentOptions {
   std::filesystem::path out;  ///< folder of all that is made
-  std::filesystem::path
-      models;          ///< folder of trained models, used where it holds the plan's files; may be empty
-  double scale = 1.0;  ///< part of all frames, for training and testing, (0, 1]
+  /// Folder of trained models, used where it holds the plan's files; may be empty.
+  std::filesystem::path models;
+  double scale = 1.0;  ///< (0, 1]: how much of everything is trained and tested, see scale.h
+  TrainingOptions training;
 };
 
 /// Runs a plan from data to report:
 ///
+///     OUT/training/FILE.toml         what the training of a model is told
 ///     OUT/models/FILE                trained, or copied from `models`
 ///     OUT/pipelines/NAME.toml        the pipelines under test
 ///     OUT/SEQUENCE/boxes/NAME.csv    what each segmentation found
 ///     OUT/SEQUENCE/poses/NAME.txt    what each estimation found (started at the true palm, as in the paper)
-///     OUT/report.html                and the scores of each sequence beside its boxes and poses
+///     OUT/SEQUENCE/report.html       the scores of each sequence, with pictures
+///     OUT/tables, OUT/timings        the numbers as CSV; only timings differ from run to run
+///     OUT/report.html                the whole
 ///
-/// Each of these is a step that is done only where its inputs changed (see step.h), so an experiment that was
-/// stopped goes on where it was. Returns the path of the report. Throws an Error where a file of the plan is
-/// missing or wrong.
+/// Models, boxes, poses and report are steps that are done only where their inputs changed (see step.h), so
+/// an experiment that was stopped goes on where it was. Returns the path of the report. Throws an Error where
+/// a file of the plan is missing or wrong.
 std::filesystem::path run_experiment(const ExperimentPlan& plan, const ExperimentOptions& options);
 
 }  // namespace knuckle

@@ -18,21 +18,25 @@ struct PlannedSequence {
 
 /// A model that has to be there, or is trained.
 struct PlannedModel {
-  std::string file;              ///< its name in the folder of models
-  std::string kind;              ///< what `knuckle train` is told: pose-forest, ...
-  std::filesystem::path config;  ///< of its training
+  std::string file;               ///< its name in the folder of models
+  std::string kind;               ///< what `knuckle train` is told: pose-forest, segmentation-forest, network
+  std::filesystem::path config;   ///< of its training
+  std::filesystem::path trained;  ///< a file to use instead of training; empty: none
 };
 
 /// A method under test.
 struct PlannedMethod {
   std::string name;                ///< stands in tables and legends
   std::filesystem::path pipeline;  ///< pipeline file; its models are named `../models/FILE`
+
+  std::string stem() const;  ///< of its files: "mean shift" becomes "mean_shift"
 };
 
 /// A whole evaluation as a file describes it:
 ///
 ///     title = "..."
 ///     convention = "icg20"
+///     claims = "scia15"                               # optional: whose claims the report judges
 ///     [[sequence]]
 ///     name = "creative"
 ///     title = "Creative GestureCam"
@@ -41,6 +45,7 @@ struct PlannedMethod {
 ///     file = "pose_forest.h5"
 ///     kind = "pose-forest"
 ///     config = "../pipelines/train_pose_forest.toml"
+///     trained = "../models/pose_forest.h5"           # optional: used instead of training
 ///     [[segmentation]]
 ///     name = "mean shift"
 ///     pipeline = "scia15/mean_shift.toml"
@@ -51,12 +56,14 @@ struct ExperimentPlan {
   std::string name;   ///< of the file, without extension
   std::string title;  ///< of the report
   Convention convention;
+  std::string claims;  ///< whose claims the report compares with the results: scia15 | none
   std::vector<PlannedSequence> sequences;  ///< at least one
   std::vector<PlannedModel> models;
   std::vector<PlannedMethod> segmentation;
   std::vector<PlannedMethod> estimation;
 
-  /// Throws an Error that names file, line and key where the file is wrong, or a name stands twice.
+  /// Throws an Error that names file, line and key where the file is wrong, a name stands twice or is none
+  /// for a file, or a kind of model is not known.
   static ExperimentPlan load(const std::filesystem::path& path);
 };
 

@@ -49,6 +49,22 @@ TEST_F(PlanTest, NamesTheFault) {
   faults(std::string(kSequence) + "colour = 1\n", "colour");
   faults("[[sequence]]\nname = \"one\"\n", "source");
   faults(std::string(kSequence) + "[[model]]\nfile = \"m.h5\"\nkind = \"pose-forest\"\n", "config");
+  faults(std::string(kSequence) + "[[model]]\nfile = \"m.h5\"\nkind = \"tree\"\nconfig = \"c\"\n",
+         "segmentation-forest");
+  faults(std::string(kSequence) + "[[model]]\nfile = \"a/m.h5\"\nkind = \"network\"\nconfig = \"c\"\n",
+         "\"a/m.h5\" is no name for a file");
+  faults("[[sequence]]\nname = \"..\"\nsource = \"folder:set\"\n", "\"..\" is no name for a file");
+  faults("[[sequence]]\nname = \"models\"\nsource = \"folder:set\"\n", "a folder of the experiment itself");
+  faults("convention = \"abc\"\n" + std::string(kSequence), "convention");
+  faults("claims = \"all\"\n" + std::string(kSequence), "scia15");
+  faults(std::string(kSequence) +
+             "[[estimation]]\nname = \"a b\"\npipeline = \"p.toml\"\n"
+             "[[estimation]]\nname = \"a_b\"\npipeline = \"q.toml\"\n",
+         "shares its file name");
+  faults(std::string(kSequence) +
+             "[[segmentation]]\nname = \"a\"\npipeline = \"one/p.toml\"\n"
+             "[[estimation]]\nname = \"a\"\npipeline = \"two/p.toml\"\n",
+         "has the file name of");
 }
 
 TEST_F(PlanTest, AnUnknownNameListsTheKnownOnes) {

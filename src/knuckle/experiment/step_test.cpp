@@ -14,7 +14,8 @@ class StepTest : public ::testing::Test {
  protected:
   /// Runs a step that writes `content`; returns whether it was done.
   bool is_done(const StepInputs& inputs, const std::string& content = "made") {
-    return run_step(output_, inputs, [&] { write_text_file(output_, content); }) == StepOutcome::done;
+    return run_step(output_, inputs, [&](StepStart) { write_text_file(output_, content); }) ==
+           StepOutcome::done;
   }
 
   TemporaryFolder folder_;
@@ -57,11 +58,33 @@ TEST_F(StepTest, IsDoneAgainWhereAFileOfAnInputFolderChanged) {
 TEST_F(StepTest, IsDoneAgainAfterItFailed) {
   EXPECT_TRUE(is_done(StepInputs().add("scale", "1"), "old"));
   const StepInputs changed = StepInputs().add("scale", "2");
-  EXPECT_THROW(run_step(output_, changed, [] { throw std::runtime_error("stopped"); }), std::runtime_error);
+  EXPECT_THROW(run_step(output_, changed, [](StepStart) { throw std::runtime_error("stopped"); }),
+               std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new"));
-  EXPECT_THROW(run_step(output_, StepInputs(), [] { throw std::runtime_error("stopped"); }),
+  EXPECT_THROW(run_step(output_, StepInputs(), [](StepStart) { throw std::runtime_error("stopped"); }),
                std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new")) << "what a stopped step left counts as made from nothing known";
+}
+
+TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
+  const StepInputs inputs = StepInputs().add("scale", "1");
+  const auto start_of = [&](const StepInputs& of) {
+    StepStart found = StepStart::anew;
+    EXPECT_THROW(run_step(output_, of,
+                          [&](StepStart start) {
+                            found = start;
+                            throw std::runtime_error("stopped");
+                          }),
+                 std::runtime_error);
+    return found;
+  };
+  EXPECT_EQ(start_of(inputs), StepStart::anew);
+  EXPECT_EQ(start_of(inputs), StepStart::again);
+  EXPECT_EQ(start_of(StepInputs().add("scale", "2")), StepStart::anew);
+  EXPECT_EQ(start_of(inputs), StepStart::anew) << "what lies there now is of scale 2";
+  EXPECT_TRUE(is_done(inputs));
+  std::filesystem::remove(output_);
+  EXPECT_EQ(start_of(inputs), StepStart::anew) << "that run came to its end";
 }
 
 TEST_F(StepTest, ContentHashIsThatOfXxhsum) {

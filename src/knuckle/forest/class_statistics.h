@@ -27,6 +27,7 @@ class ClassStatistics {
   /// Nothing is needed but registers.
   struct Scratch {};
 
+  /// The labels of the samples that have come to a node.
   class Node {
    public:
     void assign(std::span<const std::uint8_t> labels, std::span<const std::uint32_t> samples);

@@ -17,6 +17,7 @@ namespace knuckle {
 /// lies farther away reads as kFarDepth: all three are 'nothing near here'.
 inline constexpr std::int16_t kFarDepth = 10000;
 
+/// The depth as it is stored: whole millimetres from 1 on, or kFarDepth.
 inline std::int16_t stored_depth(float depth_mm) {
   if (!is_measured(depth_mm) || depth_mm >= static_cast<float>(kFarDepth)) return kFarDepth;
   return static_cast<std::int16_t>(std::max(1.0F, std::floor(depth_mm + 0.5F)));

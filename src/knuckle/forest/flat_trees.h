@@ -163,6 +163,7 @@ void write_trees(Hdf5File& file, const FlatTrees<Feature>& trees) {
   detail::write_splits<Feature>(file, trees.nodes);
 }
 
+/// Reads back what `write_trees` wrote.
 template <class Feature>
 FlatTrees<Feature> read_trees(const Hdf5File& file) {
   FlatTrees<Feature> trees;

@@ -34,7 +34,9 @@ struct TrainingRun {
   std::function<void(std::size_t nodes)> nodes_done = {};
 };
 
+/// What a checkpoint calls itself.
 inline constexpr std::string_view kCheckpointFormat = "knuckle-forest-checkpoint";
+/// The version of checkpoints that is written and read.
 inline constexpr int kCheckpointVersion = 2;
 
 /// Writes a checkpoint, atomically; `write` adds the trees.

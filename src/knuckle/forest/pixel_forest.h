@@ -22,6 +22,7 @@ class PixelForest {
   /// A leaf's probability is its code / kMostCode.
   static constexpr int kMostCode = 255;
 
+  /// What a forest is made of.
   struct Parts {
     FlatTrees<OffsetPair> trees;
     std::vector<std::uint8_t> leaf_codes;  ///< one a leaf
@@ -59,6 +60,7 @@ class PixelForest {
 /// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
 /// Error that names the file where something is missing or out of range.
 void write_forest(Hdf5File& file, const PixelForest& forest);
+/// Reads the forest back.
 PixelForest read_pixel_forest(const Hdf5File& file);
 
 }  // namespace knuckle

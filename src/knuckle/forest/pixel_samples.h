@@ -35,6 +35,7 @@ class PixelSamples {
   /// What images and pixels take so far.
   std::size_t bytes() const;
 
+  /// One image with the pixels that training takes from it.
   struct DepthImage {
     DepthTiles depth;
     OffsetScale scale{Camera{}};
@@ -50,6 +51,7 @@ class PixelSamples {
 /// The samples in the order that training works in: by contents only (a 64-bit hash of each image and its
 /// samples), so that the forest does not depend on the order in which images were handed over.
 struct ArrangedSamples {
+  /// A pixel of an image.
   struct Sample {
     std::uint32_t image = 0;
     std::int16_t column = 0;

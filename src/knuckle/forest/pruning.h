@@ -34,6 +34,7 @@ struct PrunedNodes {
 PrunedNodes pruned_nodes(std::span<const std::int32_t> next, std::span<const std::uint32_t> roots,
                          LeafRows leaves, std::span<const float> scale, std::size_t most_leaves);
 
+/// Trees after pruning.
 template <class Feature>
 struct PrunedTrees {
   FlatTrees<Feature> trees;

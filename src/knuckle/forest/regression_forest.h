@@ -22,6 +22,7 @@ class RegressionForest {
   using Node = TreeNode<PixelPair>;
   static_assert(sizeof(Node) == 12);
 
+  /// What a forest is made of.
   struct Parts {
     int feature_count = 0;
     FeatureQuantizer quantizer;
@@ -64,6 +65,7 @@ class RegressionForest {
 /// finite.
 void write_forest(Hdf5File& file, const RegressionForest& forest,
                   const std::optional<LeafCoding>& coding = std::nullopt);
+/// Reads the forest back.
 RegressionForest read_forest(const Hdf5File& file);
 
 }  // namespace knuckle

@@ -15,8 +15,10 @@ using Int32x4 [[gnu::vector_size(16)]] = std::int32_t;
 using Int32x8 [[gnu::vector_size(32)]] = std::int32_t;
 using Float32x8 [[gnu::vector_size(32)]] = float;
 
+/// Values of these two types.
 inline constexpr int kSimdLanes = 8;
 
+/// Each value as a float.
 inline Float32x8 to_float(Int32x8 values) {
   return __builtin_convertvector(values, Float32x8);
 }

@@ -71,11 +71,13 @@ struct AugmentationOptions {
   void visit(OptionVisitor& visitor);
 };
 
+/// A view of a sample, and what is wrong with its pixels.
 struct RandomView {
   CubeView view;
   PixelFaults faults;
 };
 
+/// Draws a view for training.
 RandomView random_view(const CubeSample& sample, const CubeSamples& samples,
                        const AugmentationOptions& options, Random& random);
 

@@ -14,6 +14,7 @@ namespace knuckle {
 // the header, a text as bytes; the weights, all arrays of half precision one behind another; and the
 // statistics of batch norms in single precision, where there are any.
 
+/// What a network's file says it is.
 inline constexpr std::string_view kNetworkFormat = "knuckle-network";
 inline constexpr int kNetworkVersion = 2;
 

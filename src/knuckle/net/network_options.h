@@ -63,6 +63,7 @@ void check(const NetworkOptions& options, std::string_view what);
 
 /// The options as TOML, and back. `origin` stands for the file's name in errors.
 std::string network_options_as_toml(const NetworkOptions& options);
+/// Reads the options back.
 NetworkOptions network_options_from_toml(std::string_view toml, const std::string& origin);
 
 }  // namespace knuckle

@@ -36,6 +36,12 @@ void HandOptions::visit(OptionVisitor& visitor) {
   visitor.integer("max_hands", max_hands, closed(1, 16));
 }
 
+HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand)
+    : hand_(hand), segmenter_(std::move(segmenter)) {
+  check_options(hand_, "hand");
+  if (!segmenter_) fail("a pipeline was to be made without a segmenter");
+}
+
 HandFinder::HandFinder(const OptionTable& document) {
   document.table("hand").read(hand_);
   segmenter_ = create_segmenter(document.table("segmentation"), hand_.max_hands);

@@ -14,7 +14,7 @@ namespace knuckle {
 /// The `[hand]` table of a pipeline file.
 struct HandOptions {
   std::string side = "right";  ///< right | left
-  int max_hands = 1;           ///< Hands returned of a frame at most, [1, 16]
+  int max_hands = 1;           ///< Hands that the segmenter returns of a frame at most, [1, 16]
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }
@@ -23,6 +23,8 @@ struct HandOptions {
 /// Finds the hands of a frame: the first stage of a pipeline, `[hand]` and `[segmentation]` of its file.
 class HandFinder {
  public:
+  /// A segmenter of your own. Throws an Error where it is missing (null) or an option is out of range.
+  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {});
   /// Reads the two tables of a pipeline's document. The caller finishes the document.
   explicit HandFinder(const OptionTable& document);
   /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are

@@ -18,6 +18,7 @@ struct SampleFrames {
   std::int64_t used() const { return total - without_hand - off_centre; }
 };
 
+/// Samples, and what became of the frames that they were cut from.
 struct NetworkSamples {
   CubeSamples samples;
   SampleFrames frames;

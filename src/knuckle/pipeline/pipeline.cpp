@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "knuckle/core/error.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/refine/refiner_factory.h"
@@ -25,8 +26,8 @@ auto timed(double& total_ms, const Work& work) {
   return result;
 }
 
-/// How the file asks for patches; as the model was trained where it asks for nothing.
-PatchOptions patch_options_of(const OptionTable& document, const Estimator& estimator) {
+/// What the file says of patches must be what the model was trained on.
+void check_patch_options(const OptionTable& document, const Estimator& estimator) {
   const PatchOptions trained = estimator.patch_options();
   PatchOptions options = trained;
   const OptionTable table = document.table("patch");
@@ -43,7 +44,13 @@ PatchOptions patch_options_of(const OptionTable& document, const Estimator& esti
     table.fail_at("cube_mm", fmt::format("is {}, but the model was trained on cubes of {} mm",
                                          options.cube_mm, trained.cube_mm));
   }
-  return options;
+}
+
+PipelineParts parts_from(const OptionTable& document) {
+  PipelineParts parts{HandFinder(document), create_estimator(document.table("estimator"))};
+  check_patch_options(document, *parts.estimator);
+  for (const OptionTable& table : document.tables("refine")) parts.refiners.push_back(create_refiner(table));
+  return parts;
 }
 
 /// The mean of the joints that are known; missing where none is.
@@ -60,16 +67,20 @@ ImagePoint mean_joint(const HandPose& pose) {
 
 }  // namespace
 
-Pipeline::Pipeline(const OptionTable& document)
-    : finder_(document), estimator_(create_estimator(document.table("estimator"))) {
-  const PatchStatistics& statistics = estimator_->patch_statistics();
-  extractor_ = std::make_unique<PatchExtractor>(patch_options_of(document, *estimator_), statistics);
-  for (const OptionTable& table : document.tables("refine")) refiners_.push_back(create_refiner(table));
+Pipeline::Pipeline(PipelineParts parts)
+    : finder_(std::move(parts.finder)),
+      estimator_(std::move(parts.estimator)),
+      refiners_(std::move(parts.refiners)) {
+  if (!estimator_) fail("a pipeline was to be made without an estimator");
+  if (!std::ranges::all_of(refiners_, [](const auto& refiner) { return refiner != nullptr; })) {
+    fail("one of the pipeline's refiners is missing");
+  }
+  extractor_ = std::make_unique<PatchExtractor>(estimator_->patch_options(), estimator_->patch_statistics());
 }
 
 Pipeline Pipeline::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
-  Pipeline pipeline(document);
+  Pipeline pipeline(parts_from(document));
   document.finish();
   pipeline.resolved_options_ = document.resolved_toml();
   return pipeline;

@@ -36,18 +36,30 @@ struct FrameEstimate {
   StageTimes times;
 };
 
-/// The paper's framework (its Figure 1) as a pipeline file describes it: segment, crop, estimate, refine.
+/// What a pipeline is put together from: stages that come with Knuckle, or your own (docs/extending.md).
+struct PipelineParts {
+  HandFinder finder;
+  std::unique_ptr<Estimator> estimator;
+  std::vector<std::unique_ptr<Refiner>> refiners = {};  ///< in the order in which they work; none is fine
+};
+
+/// The paper's framework (its Figure 1): segment, crop, estimate, refine.
 class Pipeline {
  public:
-  /// Throws an Error that names file, line and key where the file, or a model that it names, is wrong.
+  /// The pipeline that a file describes. Throws an Error that names file, line and key where the file, or a
+  /// model that it names, is wrong.
   static Pipeline load(const std::filesystem::path& path);
+
+  /// A pipeline of these parts; patches are made as the estimator asks for. Throws an Error where a part is
+  /// missing (null).
+  explicit Pipeline(PipelineParts parts);
 
   /// The convention of all poses: the model's.
   Convention convention() const { return estimator_->convention(); }
 
   const HandOptions& hand() const { return finder_.hand(); }
 
-  /// The pipeline file with all defaults filled in.
+  /// The pipeline file with all defaults filled in; empty where there was no file.
   const std::string& resolved_options() const { return resolved_options_; }
 
   /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
@@ -55,7 +67,6 @@ class Pipeline {
   FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
 
  private:
-  explicit Pipeline(const OptionTable& document);  // leaves it to `load` to finish the document
   FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
   HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;

@@ -42,6 +42,7 @@ struct TrainingFrames {
   std::int64_t used() const { return total - without_hand - with_missing_joints; }
 };
 
+/// A trained model, and what became of the frames.
 struct PoseForestTraining {
   PoseForestModel model;
   TrainingFrames frames;

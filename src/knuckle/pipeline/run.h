@@ -19,6 +19,7 @@ enum class Start {
 
 /// The names of the two, for the command line.
 inline constexpr std::string_view kStartNames[] = {"nearest", "truth"};
+/// Throws an Error where the name is none of the two.
 Start start_from_name(std::string_view name);
 
 /// The start in one frame; nothing for `nearest`, and for a frame whose truth knows no joint.

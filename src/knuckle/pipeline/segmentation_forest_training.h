@@ -39,6 +39,7 @@ struct SegmentationForestTrainingConfig {
   static SegmentationForestTrainingConfig load(const std::filesystem::path& path);
 };
 
+/// A trained forest, and what it was trained on.
 struct SegmentationForestTraining {
   PixelForest forest;
   std::int64_t frames = 0;

@@ -6,6 +6,7 @@
 
 namespace knuckle {
 
+/// Options of `DepthLookup`.
 struct DepthLookupOptions {
   double surface_offset_mm =
       0.0;  ///< How far a joint lies behind the skin above it, [0, 50] [mm]; the paper has none

@@ -31,6 +31,7 @@ struct KernelSums {
 /// In single precision a block at a time, the blocks in double precision.
 KernelSums kernel_sums(const PointCloud& cloud, const Point3& centre, double bandwidth_mm);
 
+/// Where mean shift ended, and how.
 struct MeanShiftResult {
   Point3 centre;       ///< the fixed point, or the last one before the iterations ran out [mm]
   double mass = 0.0;   ///< sum of the kernel around the centre; 0 where there was no point near the start

@@ -35,6 +35,7 @@ enum class HandAngle : std::uint8_t {
   palm_arch,  ///< flexion of the little metacarpal; the ring metacarpal follows by half
 };
 
+/// Number of angles of a hand.
 inline constexpr int kHandAngleCount = 22;
 
 /// One value an angle of the hand [rad].
@@ -53,6 +54,7 @@ struct FingerAngleNames {
   HandAngle pip;
   HandAngle dip;
 };
+/// The angles of a finger: 0 index, 1 middle, 2 ring, 3 little.
 FingerAngleNames angles_of_finger(int finger);
 
 /// How far an angle goes by itself [rad].
@@ -60,6 +62,7 @@ struct AngleRange {
   double low;
   double high;
 };
+/// The range of an angle in a healthy hand.
 AngleRange range_of(HandAngle angle);
 
 /// How far the DIP bends by itself where the PIP bends by `pip`: two thirds (Lin, Wu and Huang, "Modeling the

@@ -14,6 +14,7 @@ namespace knuckle {
 
 /// MakeHuman's base mesh as its npm package holds it: the whole body with clothes helpers and joint cubes.
 struct MakeHumanMesh {
+  /// A face of four corners.
   struct Quad {
     std::array<std::int32_t, 4> vertices;
     std::int32_t material;  ///< index into `materials`

@@ -24,6 +24,7 @@ struct TriangleMesh {
   std::span<const std::array<std::int32_t, 3>> faces;  ///< counter-clockwise from outside
 };
 
+/// How a mesh is drawn.
 struct RasteriserOptions {
   double near_mm = 20.0;  ///< what lies nearer is cut away, above 0 [mm]
   FaceCulling culling = FaceCulling::none;

@@ -43,6 +43,7 @@ struct SensorFault {
   std::string key;
   std::string message;
 };
+/// The first option that is out of range or contradicts another or the camera; nothing where all is well.
 std::optional<SensorFault> fault_of(const SensorOptions& options, const Camera& camera);
 
 /// Throws an Error that starts with `what` and names the option that is out of range or contradicts another.

@@ -14,6 +14,7 @@ namespace knuckle {
 class ConvolutionUnit final : public torch::nn::Module {
  public:
   enum class Activation { relu, none };
+  /// Channels, kernel and stride [px].
   struct Shape {
     int inputs = 1;
     int outputs = 1;

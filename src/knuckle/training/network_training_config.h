@@ -51,6 +51,7 @@ struct NetworkTrainingConfig {
   static NetworkTrainingConfig load(const std::filesystem::path& path);
 };
 
+/// What a training tells beside its model.
 struct NetworkTrainingResult {
   std::vector<TrainingMetrics> metrics;
   SampleFrames frames;

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace knuckle {
+
+/// Runs this very program with other arguments, as in {"train", "network", ...}, and waits for its end.
+/// Its output appears as ours. It ends with us, however we end. Throws an Error with the last line of its
+/// error output where it fails.
+void run_own_program(const std::vector<std::string>& arguments);
+
+}  // namespace knuckle
