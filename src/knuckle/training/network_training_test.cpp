@@ -159,7 +159,10 @@ TEST_P(EveryArchitecture, BeginsWithTheWeightsOfAModel) {
   train(still, second, network());
   const NetworkWeights expected = load_network_weights(folder_ / "first.pt");
   const NetworkWeights begun = load_network_weights(folder_ / "second.pt");
-  EXPECT_TRUE(std::ranges::equal(begun.halves(), expected.halves()));
+  for (const NetworkArray& array : expected.arrays()) {
+    if (array.precision != NetworkArray::Precision::half) continue;
+    EXPECT_EQ(begun.floats(array.name), expected.floats(array.name)) << array.name;  // -0 is 0
+  }
 }
 
 TEST_F(NetworkTraining, RefusesToBeginWithAModelOfAnotherKind) {

@@ -121,7 +121,7 @@ TEST_P(SameAnswers, InTrainingAndInUse) {
   }
 }
 
-TEST(SameAnswers, OfNothingButBackground) {
+TEST(SameAnswersOnEveryKind, OfNothingButBackground) {
   const auto network = make_network(small_network(), 3);
   make_like_trained(*network);
   const PoseNetwork in_use(weights_of(small_network(), *network));
