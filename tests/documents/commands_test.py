@@ -43,6 +43,8 @@ REPLACED = [
     # Need files that only users have: the options are looked up in the script.
     (r"^blender --background FILE.blend --python (\S+) --", r"has_options \1"),
     (r"^python3 (scripts/convert_mano_body.py) MANO_RIGHT.pkl", r"has_options \1"),
+    # Tests of their own (ExperimentTest, Scia15Test) run experiments.
+    (r"^(\S*knuckle) experiment scia15", r"knows_options \1 experiment"),
     # Hours of work at full size; options and files are as typed.
     (r"knuckle_bench", "knuckle_bench --benchmark_filter=^patch/ --benchmark_min_time=0.01"),
     (r"knuckle_pose_coverage", "knuckle_pose_coverage --samples 200 --people 2 --step 5000"),
@@ -52,6 +54,12 @@ SHELL = r"""
 set -euo pipefail
 is_script() { test -x "$1" && bash -n "$1"; }
 lists_tests() { ctest --test-dir build/release -N "$@" | grep 'Total Tests: [1-9]'; }
+knows_options() {  # PROGRAM VERB WORD...: the help of the verb has each --option among the words
+  local help; help=$("$1" "$2" --help); shift 2
+  for word in "$@"; do
+    [[ $word != --* ]] || grep -qF -- "$word " <<<"$help" || { echo "no $word in: $help"; return 1; }
+  done
+}
 has_options() {  # SCRIPT WORD...: each --option among the words is one of the script's
   local script=$1; shift
   for word in "$@"; do
