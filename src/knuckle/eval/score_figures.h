@@ -14,9 +14,11 @@ namespace knuckle {
 /// bars of the mean 3D and 2D error of each joint.
 std::vector<Figure> figures_of(const Evaluation& evaluation);
 
-// The three of them that are the rows of Riegler et al. 2015, fig. 5.
+/// The part of the frames all of whose joints lie within D: the third row of Riegler et al. 2015, fig. 5.
 Figure all_joints_figure(const Evaluation& evaluation);
+/// Mean 3D error a joint [mm]: its second row.
 Figure joints_3d_figure(const Evaluation& evaluation);
+/// Mean 2D error a joint [px]: its first row.
 Figure joints_2d_figure(const Evaluation& evaluation);
 
 /// The fraction of frames with overlap r > t (Riegler et al. 2015, fig. 4).

@@ -17,6 +17,7 @@ struct Figure5 {
   std::vector<Figure> joints_3d;          ///< mean 3D error of each joint
   std::vector<Figure> all_joints_within;  ///< frames whose joints are all within D
 };
+/// A figure a sequence in each row.
 Figure5 figure5(const ExperimentScores& scores);
 
 }  // namespace knuckle

@@ -19,10 +19,12 @@ std::int64_t scaled_count(std::int64_t value, Scaling how, double s, std::int64_
 
 /// A test sequence at scale `s`: frames evenly spread over all of it, at least kFewestTestFrames.
 std::string scaled_test_source(const std::string& source, double s);
+/// Of a test sequence, however small the scale.
 inline constexpr int kFewestTestFrames = 10;
 
 /// A source of training frames at scale `s`: its first ones, at least kFewestTrainingFrames.
 std::string scaled_training_source(const std::string& source, double s);
+/// Of a source of training frames.
 inline constexpr int kFewestTrainingFrames = 20;
 
 }  // namespace knuckle

@@ -25,6 +25,7 @@ struct SequenceScores {
   std::vector<GalleryRow> gallery;
 };
 
+/// What all methods reached on all sequences.
 struct ExperimentScores {
   std::vector<SequenceScores> sequences;
   std::vector<TrainingRecord> trainings;  ///< one a model

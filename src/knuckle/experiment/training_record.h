@@ -19,8 +19,9 @@ struct TrainingRecord {
   double validation_mm = kNaN;          ///< a network's least error in validation, mean over joints
 };
 
-/// Notes beside a model where it was taken from, or how long its training took.
+/// Notes beside a model where it was taken from.
 void write_given_record(const std::filesystem::path& model, const std::filesystem::path& given);
+/// Notes beside a model how long its training took.
 void write_trained_record(const std::filesystem::path& model, double seconds);
 
 /// Reads the notes; a network's time and samples are taken from its metrics, which count all runs of a

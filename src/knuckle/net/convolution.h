@@ -9,11 +9,13 @@
 
 namespace knuckle {
 
+/// What follows a layer.
 enum class Activation { relu, linear };
 
 /// A convolution with its bias, and what follows it: output = activation(convolution(input) + bias + added).
 class Convolution {
  public:
+  /// Channels, size of the kernel, and steps.
   struct Shape {
     int inputs = 1;
     int outputs = 1;

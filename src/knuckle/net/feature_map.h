@@ -13,6 +13,7 @@ namespace knuckle {
 /// side, and a border of zeros around them, so that a padded convolution needs no exceptions at the rim.
 class FeatureMap {
  public:
+  /// Pixels and channels.
   struct Shape {
     int height;
     int width;

@@ -18,6 +18,7 @@
 
 namespace knuckle {
 
+/// Numbers worked on at once.
 inline constexpr int kLanes = 8;
 
 /// Eight numbers that are worked on together: a register of AVX; elsewhere what the compiler makes of it.
@@ -28,16 +29,19 @@ constexpr int whole_lanes(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
+/// Reads eight numbers, from any address.
 inline Float8 load8(const float* from) {
   Float8 values;
   std::memcpy(&values, from, sizeof(values));
   return values;
 }
 
+/// Writes eight numbers, to any address.
 inline void store8(float* to, Float8 values) {
   std::memcpy(to, &values, sizeof(values));
 }
 
+/// The same number eight times.
 inline Float8 all8(float value) {
   return Float8{value, value, value, value, value, value, value, value};
 }
@@ -56,6 +60,7 @@ inline Float8 multiply_add(Float8 a, Float8 b, Float8 c) {
 #endif
 }
 
+/// Eight numbers of half precision in single.
 inline Float8 load_halves(const Half* from) {
 #if KNUCKLE_HAS_AVX2
   __m128i bits;

@@ -13,6 +13,7 @@ float float_of_half(Half half);
 /// The nearest half, the even one of two; beyond 65504 infinite.
 Half half_of_float(float value);
 
+/// Neither infinite nor NaN.
 inline bool is_finite(Half half) {
   constexpr Half kExponent = 0x7C00;
   return (half & kExponent) != kExponent;

@@ -16,6 +16,7 @@ namespace knuckle {
 
 /// What a network's file says it is.
 inline constexpr std::string_view kNetworkFormat = "knuckle-network";
+/// The version that is written and read.
 inline constexpr int kNetworkVersion = 2;
 
 /// The header: format, version, a line "PRECISION NAME SHAPE" for each array, "options", and those as TOML.

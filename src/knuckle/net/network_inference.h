@@ -24,6 +24,7 @@ class NetworkInference {
   virtual NetworkPrediction predict(const Image<float>& patch) const = 0;
 };
 
+/// The inference of the architecture that the weights are of.
 std::unique_ptr<NetworkInference> create_inference(const NetworkWeights& weights);
 
 }  // namespace knuckle

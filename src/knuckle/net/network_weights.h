@@ -31,6 +31,7 @@ struct ArraySizes {
   std::int64_t halves = 0;
   std::int64_t singles = 0;
 };
+/// The sums over these arrays.
 ArraySizes total_sizes(const std::vector<NetworkArray>& arrays);
 
 /// A network and all its numbers.

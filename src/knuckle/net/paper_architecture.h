@@ -13,7 +13,9 @@ struct BankLayer {
   int pool;
 };
 
+/// One for each size of the patch.
 inline constexpr int kBanks = 3;
+/// Convolutions, each with its pooling.
 inline constexpr int kLayersABank = 2;
 /// Of each bank its two layers, from the patch to a quarter of it (Tompson et al. 2014).
 inline constexpr BankLayer kBankLayers[kBanks][kLayersABank] = {

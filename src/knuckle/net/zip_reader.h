@@ -18,6 +18,7 @@ namespace knuckle {
 /// of one line that name the file.
 class ZipReader {
  public:
+  /// A file in the zip.
   struct Record {
     std::string name;
     std::uint64_t index;
