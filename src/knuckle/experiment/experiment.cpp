@@ -77,7 +77,7 @@ class Experiment {
 
   /// The trained file that is used instead of a training; empty where there is none.
   std::filesystem::path given(const PlannedModel& model) const {
-    const std::filesystem::path found = options_.models / model.file;
+    std::filesystem::path found = options_.models / model.file;
     if (!options_.models.empty() && std::filesystem::exists(found)) return found;
     return model.trained;
   }
