@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <ranges>
 #include <span>
 
 #include <fmt/format.h>
@@ -142,9 +141,10 @@ NetworkWeights load_network_weights(const std::filesystem::path& file) {
   std::vector<std::uint64_t> expected = {sizes.halves * sizeof(Half)};
   if (sizes.singles > 0) expected.push_back(sizes.singles * sizeof(float));
   const std::span<const ZipReader::Record> found = std::span(tensors).subspan(1);
-  if (!std::ranges::equal(found, expected, {}, &ZipReader::Record::bytes)) {
-    fail("{}: tensors of {} bytes, expected {}", path,
-         fmt::join(found | std::views::transform(&ZipReader::Record::bytes), " and "),
+  std::vector<std::uint64_t> bytes;
+  for (const ZipReader::Record& tensor : found) bytes.push_back(tensor.bytes);
+  if (bytes != expected) {
+    fail("{}: tensors of {} bytes, expected {}", path, fmt::join(bytes, " and "),
          fmt::join(expected, " and "));
   }
   NetworkWeights weights(options);

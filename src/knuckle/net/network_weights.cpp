@@ -137,7 +137,7 @@ NetworkWeights random_weights(const NetworkOptions& options, std::uint64_t seed)
       std::ranges::fill(weights.halves(array.name), half_of_float(1.0f));
     } else if (array.name.ends_with(".weight")) {
       const bool is_last = i + 2 == arrays.size();  // its bias follows
-      const auto inputs = static_cast<double>(array.count() / array.shape.front());
+      const double inputs = static_cast<double>(array.count()) / array.shape.front();
       fill_uniform(weights.halves(array.name), is_last ? kLastDeviation : std::sqrt(2.0 / inputs),
                    Random(seed, i));
     }
