@@ -78,9 +78,10 @@ void add_shrink(CLI::App& program) {
   verb.add_option("--leaves", arguments->leaves,
                   "Leaves of all trees together at most; those are merged that change the answers least")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--leaf-step", arguments->leaf_step,
-                  "Keep a pose forest's leaves in steps along their principal components, in half patches: "
-                  "0.16 costs\n nothing that can be measured")
+  verb.add_option(
+          "--leaf-step", arguments->leaf_step,
+          "Keep a pose forest's leaves in steps of this along their principal components, in half patches: "
+          "0.16 takes a third of the room and loses some 0.1 mm")
       ->check(CLI::PositiveNumber);
   verb.add_option("--out", arguments->out, "File for the smaller forest")->required();
   verb.callback([arguments] { run_shrink(*arguments); });
