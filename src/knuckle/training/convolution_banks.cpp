@@ -18,8 +18,8 @@ ConvolutionBanks::ConvolutionBanks(int patch_size, int first_maps, int second_ma
     int outputs = first_maps;
     for (const BankLayer& shape : bank) {
       const std::string name = "convolution" + std::to_string(layers_.size());
-      layers_.push_back(
-          {register_module(name, torch::nn::Conv2d(inputs, outputs, shape.kernel)), shape.pool});
+      layers_.push_back({register_module(name, torch::nn::Conv2d(inputs, outputs, shape.kernel)),
+                         {shape.kernel, shape.pool}});
       torch::nn::init::kaiming_normal_(layers_.back().convolution->weight, 0.0, torch::kFanIn, torch::kReLU);
       torch::nn::init::zeros_(layers_.back().convolution->bias);
       inputs = first_maps;
@@ -33,9 +33,9 @@ torch::Tensor ConvolutionBanks::forward(const torch::Tensor& patches) {
   std::vector<torch::Tensor> features;
   for (std::size_t i = 0; i < layers_.size(); i += 2) {
     torch::Tensor maps = scaled;
-    for (Layer& layer : std::span(layers_).subspan(i, 2)) {
-      // The largest of the rectified values is the rectified largest.
-      maps = torch::relu(torch::max_pool2d(layer.convolution->forward(maps), {layer.pool, layer.pool}));
+    for (const Layer& layer : std::span(layers_).subspan(i, 2)) {
+      const torch::nn::Conv2dImpl& convolution = *layer.convolution;
+      maps = pooled_convolution(maps, convolution.weight, convolution.bias, layer.shape);
     }
     features.push_back(maps.flatten(1));
     scaled = torch::avg_pool2d(scaled, {2, 2});

@@ -7,6 +7,8 @@
 #include <torch/nn/module.h>
 #include <torch/nn/modules/conv.h>
 
+#include "knuckle/training/pooled_convolution.h"
+
 namespace knuckle {
 
 /// The multi-resolution features of Tompson et al. 2014, as the paper uses them: three banks of two
@@ -24,7 +26,7 @@ class ConvolutionBanks final : public torch::nn::Module {
  private:
   struct Layer {
     torch::nn::Conv2d convolution;
-    int64_t pool;
+    PooledConvolutionShape shape;
   };
 
   std::vector<Layer> layers_;  // two a bank

@@ -12,8 +12,6 @@
 #endif
 
 #include <torch/cuda.h>
-#include <torch/optim/adamw.h>
-#include <torch/optim/sgd.h>
 #include <torch/types.h>
 #include <torch/utils.h>
 
@@ -24,6 +22,7 @@
 #include "knuckle/training/network_validation.h"
 #include "knuckle/training/network_writer.h"
 #include "knuckle/training/norm_statistics.h"
+#include "knuckle/training/optimiser.h"
 #include "knuckle/training/sharded_network.h"
 #include "knuckle/training/torch_threads.h"
 
@@ -32,7 +31,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOptimisers = {"adamw", "sgd"};
 constexpr std::string_view kCheckpointFormat = "knuckle-network-checkpoint";
-constexpr int kCheckpointVersion = 1;
+constexpr int kCheckpointVersion = 2;
 constexpr int64_t kMetricsColumns = 8;
 /// A young average forgets sooner: its decay is at most (1 + step) / (10 + step).
 constexpr double kAverageDelay = 10.0;
@@ -44,35 +43,6 @@ torch::Device device_of(const std::string& name) {
   if (name != "cuda") fail("device is \"{}\", expected cpu or cuda", name);
   if (!torch::cuda::is_available()) fail("device cuda: this LibTorch has none");
   return {torch::kCUDA};
-}
-
-std::unique_ptr<torch::optim::Optimizer> make_optimiser(const std::vector<torch::Tensor>& parameters,
-                                                        const NetworkTrainingOptions& options) {
-  const double rate = options.learning_rate.learning_rate;
-  if (options.optimiser == "adamw") {
-    const auto adamw = torch::optim::AdamWOptions(rate).weight_decay(options.weight_decay);
-    return std::make_unique<torch::optim::AdamW>(parameters, adamw);
-  }
-  const auto sgd =
-      torch::optim::SGDOptions(rate).momentum(options.momentum).weight_decay(options.weight_decay);
-  return std::make_unique<torch::optim::SGD>(parameters, sgd);
-}
-
-/// Scales the gradient down to a norm of `limit` where it is longer (0: any length); its norm before.
-double clip_gradient(const std::vector<torch::Tensor>& parameters, double limit) {
-  const torch::NoGradGuard no_gradient;
-  double squares = 0.0;
-  for (const torch::Tensor& parameter : parameters) {
-    if (!parameter.grad().defined()) continue;
-    const auto length = parameter.grad().norm().item<double>();
-    squares += length * length;
-  }
-  const double norm = std::sqrt(squares);
-  if (limit == 0.0 || !(norm > limit)) return norm;
-  for (const torch::Tensor& parameter : parameters) {
-    if (parameter.grad().defined()) parameter.grad().mul_(limit / norm);
-  }
-  return norm;
 }
 
 torch::Tensor as_tensor(const std::vector<TrainingMetrics>& metrics) {
@@ -138,8 +108,7 @@ class Trainer {
         step_count_(steps_of(training.size(), options)),
         network_(network, options.seed, options.shards, device_),
         averaged_(make_network(network, options.seed)),
-        optimiser_(make_optimiser(network_.parameters(), options)) {
-    averaged_->to(device_);
+        optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options) {
     averaged_->eval();
   }
 
@@ -167,6 +136,11 @@ class Trainer {
   }
 
  private:
+  static NetworkModule& on_device(NetworkModule& network, const torch::Device& device) {
+    network.to(device);
+    return network;
+  }
+
   static std::int64_t steps_of(std::int64_t samples, const NetworkTrainingOptions& options) {
     return static_cast<std::int64_t>(
         std::ceil(options.epochs * static_cast<double>(samples) / options.batch_size));
@@ -185,10 +159,9 @@ class Trainer {
   void step(BatchLoader& loader) {
     TrainingBatch batch = loader.next();
     const double rate = learning_rate_at(options_.learning_rate, progress());
-    for (auto& group : optimiser_->param_groups()) group.options().set_lr(rate);
     const double loss =
         network_.backward(batch, derived_seed(options_.seed, static_cast<std::uint64_t>(step_)));
-    const double norm = clip_gradient(network_.parameters(), options_.gradient_clip);
+    const double norm = optimiser_.gradient_norm();
     if (!std::isfinite(loss) || !std::isfinite(norm)) {
       const std::string kept = metrics_.empty() ? std::string("nothing was written yet")
                                                 : fmt::format("{} keeps the state of step {}",
@@ -196,21 +169,21 @@ class Trainer {
       fail("training: the loss is {} and the gradient's norm {} at step {}, try a smaller learning_rate; {}",
            loss, norm, step_, kept);
     }
-    optimiser_->step();
     ++step_;
+    optimiser_.step({rate, scale_for(norm), decay_of_average()});
     loss_sum_ += loss;
     ++loss_count_;
-    follow();
   }
 
-  /// Moves the average of the weights on.
-  void follow() {
-    const torch::NoGradGuard no_gradient;
+  /// Shortens a gradient that is longer than `gradient_clip`.
+  double scale_for(double norm) const {
+    const double limit = options_.gradient_clip;
+    return limit > 0.0 && norm > limit ? limit / norm : 1.0;
+  }
+
+  double decay_of_average() const {
     const auto steps = static_cast<double>(step_);
-    const double decay = std::min(options_.average_decay, (1.0 + steps) / (kAverageDelay + steps));
-    const std::vector<torch::Tensor> averages = averaged_->parameters();
-    const std::vector<torch::Tensor> parameters = network_.parameters();
-    for (std::size_t i = 0; i < averages.size(); ++i) averages[i].lerp_(parameters[i], 1.0 - decay);
+    return std::min(options_.average_decay, (1.0 + steps) / (kAverageDelay + steps));
   }
 
   void validate(const BatchLoader& loader) {
@@ -284,9 +257,7 @@ class Trainer {
     archive.write("buffers", network_.buffers());
     archive.write("averages", averaged_->parameters());
     archive.write("metrics", std::vector<torch::Tensor>{as_tensor(metrics_)});
-    torch::serialize::OutputArchive optimiser;
-    optimiser_->save(optimiser);
-    archive.write("optimiser", optimiser);
+    archive.write("moments", optimiser_.moments());
     archive.save(run_.checkpoint);
   }
 
@@ -303,9 +274,9 @@ class Trainer {
     const std::vector<torch::Tensor> metrics = archive.tensors("metrics");
     if (metrics.size() != 1) fail("{}: the metrics are missing", run_.checkpoint.string());
     metrics_ = metrics_of(metrics.front());
-    torch::serialize::InputArchive optimiser = archive.part("optimiser");
-    with_clear_errors(run_.checkpoint.string(), [&] { optimiser_->load(optimiser); });
+    archive.copy_into("moments", optimiser_.moments());
     step_ = static_cast<std::int64_t>(archive.number("step"));
+    optimiser_.set_steps(step_);
   }
 
   NetworkOptions network_options_;
@@ -318,7 +289,7 @@ class Trainer {
   std::int64_t step_count_;
   ShardedNetwork network_;
   std::shared_ptr<NetworkModule> averaged_;
-  std::unique_ptr<torch::optim::Optimizer> optimiser_;
+  Optimiser optimiser_;
   std::int64_t step_ = 0;
   std::vector<TrainingMetrics> metrics_;
   double loss_sum_ = 0.0;

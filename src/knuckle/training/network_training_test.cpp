@@ -50,7 +50,7 @@ class NetworkTraining : public ::testing::Test {
 
   /// All weights and statistics of a checkpoint.
   std::vector<torch::Tensor> state_of(const std::string& name) const {
-    ArchiveReader archive(folder_ / (name + ".checkpoint"), "knuckle-network-checkpoint", 1);
+    ArchiveReader archive(folder_ / (name + ".checkpoint"), "knuckle-network-checkpoint", 2);
     std::vector<torch::Tensor> state;
     for (const char* const part : {"parameters", "buffers", "averages"}) {
       for (const torch::Tensor& tensor : archive.tensors(part)) state.push_back(tensor);

@@ -21,6 +21,7 @@ ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed
     const std::vector<torch::Tensor> shared = parameters();
     for (std::size_t p = 0; p < own.size(); ++p) own[p].set_data(shared[p].detach());
   }
+  pieces_ = TensorPieces(parameters());
 }
 
 double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
@@ -56,14 +57,15 @@ double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
 }
 
 void ShardedNetwork::sum_gradients() {
-  const torch::NoGradGuard no_gradient;
-  const std::vector<torch::Tensor> sums = parameters();
-  for (std::size_t shard = 1; shard < shards_.size(); ++shard) {
-    const std::vector<torch::Tensor> own = shards_[shard]->parameters();
-    for (std::size_t p = 0; p < sums.size(); ++p) {
-      if (own[p].grad().defined()) sums[p].mutable_grad().add_(own[p].grad());
-    }
+  if (shards_.size() == 1) return;
+  std::vector<std::vector<torch::Tensor>> gradients;
+  for (const std::shared_ptr<NetworkModule>& shard : shards_) {
+    std::vector<torch::Tensor>& own = gradients.emplace_back();
+    for (const torch::Tensor& parameter : shard->parameters()) own.push_back(parameter.grad());
   }
+  pieces_.for_each(gradients, [](int64_t /*index*/, std::vector<torch::Tensor>& pieces) {
+    for (std::size_t shard = 1; shard < pieces.size(); ++shard) pieces[0].add_(pieces[shard]);
+  });
 }
 
 void ShardedNetwork::average_buffers() {

@@ -9,6 +9,7 @@
 
 #include "knuckle/training/batch_loader.h"
 #include "knuckle/training/network_module.h"
+#include "knuckle/training/tensor_pieces.h"
 
 namespace knuckle {
 
@@ -34,6 +35,7 @@ class ShardedNetwork {
 
   torch::Device device_;
   std::vector<std::shared_ptr<NetworkModule>> shards_;
+  TensorPieces pieces_{{}};
 };
 
 }  // namespace knuckle
