@@ -59,7 +59,8 @@ void add_estimate(CLI::App& program) {
                   "Poses file: a line a frame, J x `u v d`; nan where there is no hand")
       ->type_name("FILE")
       ->required();
-  verb.add_option("--json", arguments->json, "Summary as JSON: frames without a hand, times of each stage")
+  verb.add_option("--json", arguments->json,
+                  "Summary as JSON: confidences, frames without a hand, times of each stage")
       ->type_name("FILE");
   add_init_option(verb, arguments->init);
   verb.callback([arguments] { run_estimate(*arguments); });

@@ -34,10 +34,13 @@ Point3 mean_of(const std::vector<Point3>& points) {
 void HandOptions::visit(OptionVisitor& visitor) {
   visitor.choice("side", side, kSides);
   visitor.integer("max_hands", max_hands, closed(1, 16));
+  visitor.integer("candidates", candidates, closed(1, 16));
+  visitor.real("sure_confidence", sure_confidence, closed(0, 1));
 }
 
-HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand)
-    : hand_(hand), segmenter_(std::move(segmenter)) {
+HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand,
+                       std::unique_ptr<Segmenter> candidate_segmenter)
+    : hand_(hand), segmenter_(std::move(segmenter)), candidate_segmenter_(std::move(candidate_segmenter)) {
   check_options(hand_, "hand");
   if (!segmenter_) fail("a pipeline was to be made without a segmenter");
 }
@@ -45,6 +48,9 @@ HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& 
 HandFinder::HandFinder(const OptionTable& document) {
   document.table("hand").read(hand_);
   segmenter_ = create_segmenter(document.table("segmentation"), hand_.max_hands);
+  if (hand_.candidates > hand_.max_hands) {
+    candidate_segmenter_ = create_segmenter(document.table("segmentation"), hand_.candidates);
+  }
 }
 
 HandFinder HandFinder::load(const std::filesystem::path& path) {
@@ -65,6 +71,10 @@ Segmentation HandFinder::find(const Frame& frame, const std::optional<Point3>& s
 
 Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start) const {
   return segmenter_->segment(frame, start);
+}
+
+Segmentation HandFinder::find_candidates(const Frame& frame) const {
+  return candidate_segmenter_ ? candidate_segmenter_->segment(frame, std::nullopt) : Segmentation{};
 }
 
 Frame as_right_hand(Frame frame, const HandOptions& options) {

@@ -15,6 +15,9 @@ namespace knuckle {
 struct HandOptions {
   std::string side = "right";  ///< right | left
   int max_hands = 1;           ///< Hands that the segmenter returns of a frame at most, [1, 16]
+  /// Places of a frame that are tried where a pose is not sure, [1, 16]; no more than `max_hands`: none.
+  int candidates = 1;
+  double sure_confidence = 0.35;  ///< A pose whose joints have less on average is not sure, [0, 1]
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }
@@ -23,8 +26,10 @@ struct HandOptions {
 /// Finds the hands of a frame: the first stage of a pipeline, `[hand]` and `[segmentation]` of its file.
 class HandFinder {
  public:
-  /// A segmenter of your own. Throws an Error where it is missing (null) or an option is out of range.
-  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {});
+  /// A segmenter of your own, and one that finds more places for `find_candidates`, or null. Throws an Error
+  /// where the first is missing (null) or an option is out of range.
+  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {},
+                      std::unique_ptr<Segmenter> candidate_segmenter = nullptr);
   /// Reads the two tables of a pipeline's document. The caller finishes the document.
   explicit HandFinder(const OptionTable& document);
   /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are
@@ -40,11 +45,15 @@ class HandFinder {
   Segmentation find(const Frame& frame, const std::optional<Point3>& start) const;
   /// The same for a frame that already shows a right hand.
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start) const;
+  /// Other places where a right hand may be, `candidates` at most, from no start; none where the options ask
+  /// for none.
+  Segmentation find_candidates(const Frame& frame) const;
 
  private:
   HandOptions hand_;
   std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;
+  std::unique_ptr<Segmenter> candidate_segmenter_;  // null: no candidates
 };
 
 /// The frame as it shows a right hand: in a mirror where it shows a left one. Where the source does not say

@@ -2,6 +2,7 @@
 #include "knuckle/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "knuckle/core/error.h"
 #include "knuckle/estimate/create_estimator.h"
@@ -65,6 +66,17 @@ ImagePoint mean_joint(const HandPose& pose) {
   return {sum.u / count, sum.v / count, sum.depth_mm / count};
 }
 
+/// The mean of a pose's confidences; 1 where the method gives none, and so no reason to doubt.
+double mean_confidence(const HandPose& pose) {
+  if (pose.confidence.empty()) return 1.0;
+  double sum = 0.0;
+  for (const float confidence : pose.confidence) sum += confidence;
+  return sum / static_cast<double>(pose.confidence.size());
+}
+
+/// Two regions whose centres are nearer than that are the same thing: no two palms can be.
+constexpr double kSamePlaceMm = 50.0;
+
 }  // namespace
 
 Pipeline::Pipeline(PipelineParts parts)
@@ -99,13 +111,36 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const std::optional<P
   FrameEstimate result;
   Segmentation segmentation =
       timed(result.times.segment_ms, [&] { return finder_.find_right(frame, start); });
-  for (HandRegion& region : segmentation.hands) {
-    if (auto pose = pose_of(frame, region, result.times))
-      result.hands.push_back({std::move(region), std::move(*pose)});
-  }
+  add_hands(frame, std::move(segmentation.hands), result);
+  const auto is_unsure = [&](const HandEstimate& hand) {
+    return mean_confidence(hand.pose) < finder_.hand().sure_confidence;
+  };
+  if (std::ranges::any_of(result.hands, is_unsure)) try_candidates(frame, result);
   result.reason = segmentation.reason;
   if (result.hands.empty() && result.reason.empty()) result.reason = "the hand has no measured pixel";
   return result;
+}
+
+void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const {
+  for (HandRegion& region : regions) {
+    if (auto pose = pose_of(frame, region, result.times)) {
+      result.hands.push_back({std::move(region), std::move(*pose)});
+    }
+  }
+}
+
+void Pipeline::try_candidates(const Frame& frame, FrameEstimate& result) const {
+  Segmentation others = timed(result.times.segment_ms, [&] { return finder_.find_candidates(frame); });
+  std::erase_if(others.hands, [&](const HandRegion& other) {
+    return std::ranges::any_of(result.hands, [&](const HandEstimate& tried) {
+      return (tried.region.centre - other.centre).norm() < kSamePlaceMm;
+    });
+  });
+  const std::size_t wanted = result.hands.size();
+  add_hands(frame, std::move(others.hands), result);
+  std::ranges::stable_sort(result.hands, std::ranges::greater{},
+                           [](const HandEstimate& hand) { return mean_confidence(hand.pose); });
+  result.hands.resize(std::min(result.hands.size(), wanted));
 }
 
 std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region,

@@ -63,11 +63,14 @@ class Pipeline {
   const std::string& resolved_options() const { return resolved_options_; }
 
   /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
-  /// camera coordinates [mm]. Safe to call from many threads.
+  /// camera coordinates [mm]. Where a pose is not sure (`HandOptions::candidates`), other places are tried,
+  /// and the surest poses are kept: the nearest thing may be an elbow. Safe to call from many threads.
   FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
 
  private:
   FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
+  void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
+  void try_candidates(const Frame& frame, FrameEstimate& result) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
   HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 

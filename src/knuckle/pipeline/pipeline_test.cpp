@@ -121,6 +121,84 @@ TEST(PipelineFromParts, TellsWhyThereIsNoHand) {
   EXPECT_EQ(result.reason, "nothing there");
 }
 
+/// Finds the given columns of the image, or the first of them alone.
+class ColumnSegmenter final : public Segmenter {
+ public:
+  explicit ColumnSegmenter(std::vector<int> columns) : columns_(std::move(columns)) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& /*start*/) const override {
+    Segmentation found;
+    for (const int column : columns_) {
+      const std::vector<std::int32_t> pixels{15 * frame.depth_mm.width() + column};
+      HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
+      region.centre = Point3(100.0 * column, 0.0, 500.0);
+      found.hands.push_back(region);
+    }
+    return found;
+  }
+
+ private:
+  std::vector<int> columns_;
+};
+
+/// As sure as the column of the patch says: 0.4 in column 4.
+class ColumnEstimator final : public Estimator {
+ public:
+  explicit ColumnEstimator(bool has_confidence = true) : has_confidence_(has_confidence) {}
+  Convention convention() const override { return {"corner1", kPalm}; }
+  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    ++calls;
+    const double column = patch.geometry.to_image({0.0, 0.0, 0.0}).u;
+    const std::vector<float> confidence{static_cast<float>(0.1 * std::round(column))};
+    return {{{0.0, 0.0, 0.0}}, has_confidence_ ? confidence : std::vector<float>{}};
+  }
+
+  mutable int calls = 0;
+
+ private:
+  static constexpr std::array kPalm = {Landmark::palm};
+  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+  bool has_confidence_;
+};
+
+struct Candidates {
+  std::vector<int> first;
+  std::vector<int> others;
+  std::vector<int> expected;  ///< columns of the hands, best first
+  int calls;                  ///< of the estimator
+};
+
+class PipelineCandidates : public ::testing::TestWithParam<Candidates> {};
+
+INSTANTIATE_TEST_SUITE_P(, PipelineCandidates,
+                         ::testing::Values(Candidates{{4}, {4, 7, 5}, {7}, 3},  // the surest of three
+                                           Candidates{
+                                               {6}, {6, 8}, {6}, 1},     // sure: nothing else is looked at
+                                           Candidates{{4}, {}, {4}, 1},  // there is nothing else
+                                           Candidates{{4, 6}, {4, 6, 8}, {8, 6}, 3},  // two hands
+                                           Candidates{{}, {8}, {}, 0}));              // no hand stays none
+
+TEST_P(PipelineCandidates, AreTriedWhereAPoseIsNotSure) {
+  const Candidates& c = GetParam();
+  auto estimator = std::make_unique<ColumnEstimator>();
+  const ColumnEstimator& seen = *estimator;
+  const HandOptions hand{.candidates = 4, .sure_confidence = 0.5};
+  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(c.first), hand,
+                                      std::make_unique<ColumnSegmenter>(c.others)),
+                           std::move(estimator)});
+  std::vector<int> columns;
+  for (const HandEstimate& found : pipeline.estimate(plate()).hands) columns.push_back(found.region.box.x);
+  EXPECT_EQ(columns, c.expected);
+  EXPECT_EQ(seen.calls, c.calls);
+}
+
+TEST(PipelineFromParts, DoesNotDoubtAMethodWithoutConfidence) {
+  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(std::vector{4}), {.candidates = 4},
+                                      std::make_unique<ColumnSegmenter>(std::vector{4, 7})),
+                           std::make_unique<ColumnEstimator>(false)});
+  EXPECT_EQ(pipeline.estimate(plate()).hands.at(0).region.box.x, 4);
+}
+
 TEST(PipelineFromParts, SaysWhichPartIsMissing) {
   EXPECT_THAT(error_of([] { HandFinder finder(nullptr); }), HasSubstr("without a segmenter"));
   EXPECT_THAT(error_of([] {

@@ -2,6 +2,7 @@
 #include "knuckle/pipeline/run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -159,6 +160,20 @@ double median_ms(std::span<const FrameEstimate> frames) {
   return median_over(frames, [](const StageTimes& t) { return t.total_ms(); });
 }
 
+namespace {
+
+/// Of the best hand's joints, with three digits; null where there is no hand or the method gives none.
+nlohmann::ordered_json confidence_of(const FrameEstimate& frame) {
+  if (frame.hands.empty() || frame.hands.front().pose.confidence.empty()) return nullptr;
+  nlohmann::ordered_json confidence = nlohmann::ordered_json::array();
+  for (const double value : frame.hands.front().pose.confidence) {
+    confidence.push_back(std::round(value * 1000.0) / 1000.0);
+  }
+  return confidence;
+}
+
+}  // namespace
+
 std::string summary_json(std::span<const FrameEstimate> frames, std::string_view source_name,
                          const Convention& convention) {
   nlohmann::ordered_json summary;
@@ -179,6 +194,8 @@ std::string summary_json(std::span<const FrameEstimate> frames, std::string_view
       summary["frames_without_hand"].push_back({{"frame", i}, {"reason", frames[i].reason}});
     }
   }
+  summary["confidence"] = nlohmann::ordered_json::array();
+  for (const FrameEstimate& frame : frames) summary["confidence"].push_back(confidence_of(frame));
   return summary.dump(2) + "\n";
 }
 

@@ -62,7 +62,8 @@ std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Conv
 /// The median time that the pipeline took for a frame [ms].
 double median_ms(std::span<const FrameEstimate> frames);
 
-/// Source, convention, counts, median times of each stage, and the frames without a hand with the reason why.
+/// Source, convention, counts, median times of each stage, the frames without a hand with the reason why, and
+/// for each frame the confidences of the best hand's joints (null where there are none).
 std::string summary_json(std::span<const FrameEstimate> frames, std::string_view source_name,
                          const Convention& convention);
 

@@ -7,6 +7,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
+#include "knuckle/training/loss_gradient_testing.h"
 
 namespace knuckle {
 namespace {
@@ -96,27 +97,8 @@ TEST(DenseNetwork, TheLossHasTheGradientOfFiniteDifferences) {
       torch::rand({2, 1, kSize, kSize}, torch::kDouble) * 1.5 - 0.2;  // some background
   torch::Tensor joints = torch::rand({2, kJoints, 3}, torch::kDouble) - 0.5;
   joints[1][2].fill_(kNaN);
-  torch::Tensor output = 0.3 * torch::randn({2, 5 * kJoints, kMaps, kMaps}, torch::kDouble);
-  output.set_requires_grad(true);
-  network->loss(output, patches, joints).backward();
-  const torch::Tensor gradient = output.grad().view(-1);
-  ASSERT_TRUE(torch::isfinite(gradient).all().item<bool>());
-
-  const torch::NoGradGuard no_gradient;
-  const torch::Tensor values = output.view(-1);
-  constexpr double kStep = 1e-6;
-  Random random(1);
-  for (int i = 0; i < 60; ++i) {
-    const auto place = static_cast<int64_t>(random.below(static_cast<std::uint32_t>(values.numel())));
-    const double before = values[place].item<double>();
-    values[place] = before + kStep;
-    const double above = network->loss(output, patches, joints).item<double>();
-    values[place] = before - kStep;
-    const double below = network->loss(output, patches, joints).item<double>();
-    values[place] = before;
-    EXPECT_NEAR(gradient[place].item<double>(), (above - below) / (2.0 * kStep), 1e-8) << place;
-  }
-  EXPECT_GT(gradient.abs().max().item<double>(), 1e-5) << "the differences are of something";
+  testing::expect_gradient_of_finite_differences(
+      *network, patches, joints, 0.3 * torch::randn({2, 5 * kJoints, kMaps, kMaps}, torch::kDouble));
 }
 
 TEST(DenseNetwork, AJointThatIsNotKnownHasNoGradient) {

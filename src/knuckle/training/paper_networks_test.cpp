@@ -5,6 +5,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/training/heat_map_network.h"
+#include "knuckle/training/loss_gradient_testing.h"
 #include "knuckle/training/network_training.h"
 #include "knuckle/training/regression_network.h"
 #include "knuckle/training/training_testing.h"
@@ -99,25 +100,8 @@ TEST_P(PaperNetworks, TheLossHasTheGradientOfFiniteDifferences) {
   torch::Tensor joints = 1.6 * torch::rand({2, kTestJoints, 3}, torch::kDouble) - 0.8;
   joints[1][2][0] = kNaN;
   const int64_t width = network->forward(patches.to(torch::kFloat)).size(1);
-  torch::Tensor output = torch::randn({2, width}, torch::kDouble);
-  output.set_requires_grad(true);
-  network->loss(output, patches, joints).backward();
-  const torch::Tensor gradient = output.grad().view(-1);
-  ASSERT_TRUE(torch::isfinite(gradient).all().item<bool>());
-  const torch::NoGradGuard no_gradient;
-  const torch::Tensor values = output.view(-1);
-  constexpr double kStep = 1e-5;
-  Random random(1);
-  for (int i = 0; i < 30; ++i) {
-    const auto place = static_cast<int64_t>(random.below(static_cast<std::uint32_t>(values.numel())));
-    const double before = values[place].item<double>();
-    values[place] = before + kStep;
-    const double above = network->loss(output, patches, joints).item<double>();
-    values[place] = before - kStep;
-    const double below = network->loss(output, patches, joints).item<double>();
-    values[place] = before;
-    EXPECT_NEAR(gradient[place].item<double>(), (above - below) / (2.0 * kStep), 1e-7) << place;
-  }
+  testing::expect_gradient_of_finite_differences(*network, patches, joints,
+                                                 torch::randn({2, width}, torch::kDouble));
 }
 
 TEST_P(PaperNetworks, DropoutDependsOnItsSeedAloneAndSleepsInUse) {
