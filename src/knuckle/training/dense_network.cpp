@@ -9,13 +9,12 @@
 
 #include "knuckle/net/dense_architecture.h"
 #include "knuckle/patch/cube_patch.h"
+#include "knuckle/training/vote_loss.h"
 
 namespace knuckle {
 namespace {
 
 constexpr int kStride = kDenseStride;
-constexpr double kSmoothness =
-    0.01;                        // where the loss turns from square to linear [halves of the cube's side]
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
 
@@ -40,7 +39,7 @@ torch::Tensor cell_points(const torch::Tensor& patches) {
 torch::Tensor masked_distance(const torch::Tensor& value, const torch::Tensor& target,
                               const torch::Tensor& counts) {
   const torch::Tensor distance =
-      torch::smooth_l1_loss(value * counts, target * counts, at::Reduction::Sum, kSmoothness);
+      torch::smooth_l1_loss(value * counts, target * counts, at::Reduction::Sum, kVoteLossSmoothness);
   return distance / counts.expand_as(target).sum().clamp_min(1.0);
 }
 
@@ -116,6 +115,14 @@ DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const to
 
 torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tensor& patches,
                                  const torch::Tensor& joints) {
+  if (output.device().is_cpu() && output.scalar_type() == torch::kFloat) {
+    return vote_loss(output, cell_points(patches), joints, {options_.kernel, options_.dense_weight});
+  }
+  return loss_by_operations(output, patches, joints);
+}
+
+torch::Tensor DenseNetwork::loss_by_operations(const torch::Tensor& output, const torch::Tensor& patches,
+                                               const torch::Tensor& joints) const {
   const Votes votes = votes_of(output, patches);
   const torch::Tensor is_known = torch::isfinite(joints).all(-1, true).to(output.scalar_type());
   const torch::Tensor truth = torch::nan_to_num(joints, 0.0, 0.0, 0.0);

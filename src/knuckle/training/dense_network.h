@@ -28,6 +28,9 @@ class DenseNetwork final : public NetworkModule {
 
  private:
   struct Votes;
+  /// The loss in LibTorch's operations, for any device and precision: what `vote_loss` computes faster.
+  torch::Tensor loss_by_operations(const torch::Tensor& output, const torch::Tensor& patches,
+                                   const torch::Tensor& joints) const;
   Votes votes_of(const torch::Tensor& output, const torch::Tensor& patches) const;
 
   int joint_count_;

@@ -101,6 +101,26 @@ TEST(DenseNetwork, TheLossHasTheGradientOfFiniteDifferences) {
       *network, patches, joints, 0.3 * torch::randn({2, 5 * kJoints, kMaps, kMaps}, torch::kDouble));
 }
 
+TEST(DenseNetwork, HasTheSameLossInSingleAndInDoublePrecision) {
+  // Double precision takes LibTorch's own operations: the reference.
+  const auto network = make_network(small_network(), 1);
+  torch::manual_seed(6);
+  torch::Tensor patches = torch::rand({3, 1, kSize, kSize}) * 1.5 - 0.2;
+  patches[1].fill_(1.0);  // a sample without hand
+  torch::Tensor joints = torch::rand({3, kJoints, 3}) - 0.5;
+  joints[2][0][1] = kNaN;
+  const torch::Tensor output = torch::randn({3, 5 * kJoints, kMaps, kMaps});
+  const torch::Tensor single = output.clone().set_requires_grad(true);
+  const torch::Tensor reference = output.to(torch::kDouble).set_requires_grad(true);
+  const torch::Tensor loss = network->loss(single, patches, joints);
+  const torch::Tensor expected =
+      network->loss(reference, patches.to(torch::kDouble), joints.to(torch::kDouble));
+  EXPECT_NEAR(loss.item<double>(), expected.item<double>(), 1e-5 * expected.item<double>());
+  (2.0 * loss).backward();
+  (2.0 * expected).backward();
+  EXPECT_TRUE(torch::allclose(single.grad().to(torch::kDouble), reference.grad(), 1e-3, 1e-6));
+}
+
 TEST(DenseNetwork, AJointThatIsNotKnownHasNoGradient) {
   const auto network = make_network(small_network(), 1);
   const torch::Tensor patches = torch::rand({1, 1, kSize, kSize}) - 0.5;
