@@ -41,7 +41,7 @@ TEST_F(TrainingConfigTest, ANetworkBecomesSmall) {
   const auto config = scaled<NetworkConfig>("network", "pipelines/train_regression.toml", 0.01);
   const std::string text = read_text_file(training_.config);
   EXPECT_THAT(text, HasSubstr("most = 1000"));
-  EXPECT_THAT(text, HasSubstr("epochs = 1\n"));
+  EXPECT_THAT(text, HasSubstr("epochs = 1.0\n"));
   EXPECT_EQ(config.network.paper.hidden_units, 410);
   EXPECT_EQ(config.network.paper.subspace_units, 20) << "what is learned stays the same";
   EXPECT_EQ(config.network.patch.size_px, 96);

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/fully_connected.h"
 
-#include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <string>
-#include <tuple>
 
 #include <ATen/CPUGeneratorImpl.h>
 #include <torch/nn/init.h>
 #include <torch/utils.h>
-
-#include "knuckle/training/kept_weights.h"
 
 namespace knuckle {
 namespace {
@@ -39,28 +34,19 @@ FullyConnected::FullyConnected(int64_t inputs, const std::vector<Layer>& layers,
 
 torch::Tensor FullyConnected::forward(const torch::Tensor& input) {
   torch::Tensor values = input;
-  torch::Tensor kept_inputs;  // not defined: all
   for (std::size_t i = 0; i < linears_.size(); ++i) {
-    const torch::nn::LinearImpl& linear = *linears_[i];
-    const bool is_dropped =
-        is_training() && dropout_ > 0.0 && activations_[i] == Activation::hidden && i + 1 < linears_.size();
-    const torch::Tensor kept = is_dropped ? draw_kept(linear.weight.size(0)) : torch::Tensor();
-    const torch::Tensor bias =
-        is_dropped ? linear.bias.index_select(0, kept.to(linear.bias.device())) : linear.bias;
-    values = torch::linear(values, kept_weights(linear.weight, kept, kept_inputs), bias);
+    values = linears_[i]->forward(values);
     if (activations_[i] != Activation::linear) values = torch::relu(values);
-    if (is_dropped) {
-      values = values * (static_cast<double>(linear.weight.size(0)) / static_cast<double>(kept.numel()));
-    }
-    kept_inputs = kept;
+    if (activations_[i] == Activation::hidden && is_training()) values = dropped_out(values);
   }
   return values;
 }
 
-torch::Tensor FullyConnected::draw_kept(int64_t units) {
-  const auto count = std::max<int64_t>(1, std::llround((1.0 - dropout_) * static_cast<double>(units)));
-  const torch::Tensor order = torch::randperm(units, generator_);
-  return std::get<0>(order.narrow(0, 0, count).sort());
+torch::Tensor FullyConnected::dropped_out(const torch::Tensor& values) {
+  if (dropout_ == 0.0) return values;
+  const double kept = 1.0 - dropout_;
+  const torch::Tensor mask = torch::empty(values.sizes()).bernoulli_(kept, generator_);
+  return values * mask.to(values.options()) / kept;
 }
 
 void FullyConnected::seed_dropout(std::uint64_t seed) {

@@ -13,11 +13,7 @@
 
 namespace knuckle {
 
-/// Fully connected layers, one behind another, with dropout behind the hidden ones.
-///
-/// Each call in training draws anew which units it keeps, the same for all its samples (Graham et al. 2015,
-/// batchwise dropout): so the others' weights are not read, and two layers that drop a half each multiply a
-/// quarter of their matrix.
+/// Fully connected layers, one behind another.
 class FullyConnected final : public torch::nn::Module {
  public:
   using Layer = ConnectedLayer;
@@ -31,8 +27,7 @@ class FullyConnected final : public torch::nn::Module {
   void seed_dropout(std::uint64_t seed);
 
  private:
-  /// Ascending indices of the units that this call keeps.
-  torch::Tensor draw_kept(int64_t units);
+  torch::Tensor dropped_out(const torch::Tensor& values);
 
   std::vector<torch::nn::Linear> linears_;
   std::vector<Activation> activations_;

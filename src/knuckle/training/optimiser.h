@@ -26,6 +26,7 @@ class Optimiser {
   /// Length of the gradient of all parameters.
   double gradient_norm() const;
 
+  /// How far one step goes.
   struct Step {
     double learning_rate;
     double gradient_scale;  ///< the gradient is multiplied with it first

@@ -139,21 +139,15 @@ TEST_P(PaperNetworks, LearnASmallSetByHeart) {
 }
 
 TEST(FullyConnected, DropoutLeavesOutItsShareAndKeepsTheMean) {
-  constexpr int kUnits = 1000;
-  using enum FullyConnected::Activation;
-  FullyConnected layers(1, {{kUnits, hidden}, {kUnits, hidden}, {1, linear}}, 0.3);
-  for (torch::Tensor& parameter : layers.parameters()) parameter.detach().fill_(1.0);
+  FullyConnected layers(1, {{20000, FullyConnected::Activation::hidden}}, 0.3);
+  const torch::NoGradGuard no_gradient;
+  for (torch::Tensor& parameter : layers.parameters()) parameter.fill_(1.0);  // all outputs are 3
   layers.seed_dropout(1);
   const torch::Tensor values = layers.forward(2.0 * torch::ones({1, 1}));
-  values.sum().backward();
-  const double whole = kUnits * (3.0 * kUnits + 1.0) + 1.0;  // all units of the first layer are 3
-  EXPECT_NEAR(values.item<double>(), whole, 1e-5 * whole);
-  for (const char* const layer : {"layer0.bias", "layer1.bias"}) {
-    const torch::Tensor gradient = layers.named_parameters()[layer].grad();
-    EXPECT_EQ((gradient == 0).sum().item<int64_t>(), kUnits * 3 / 10) << layer;
-  }
+  EXPECT_NEAR((values == 0).to(torch::kFloat).mean().item<double>(), 0.3, 0.02);
+  EXPECT_NEAR(values.mean().item<double>(), 3.0, 0.05);
   layers.eval();
-  EXPECT_NEAR(layers.forward(2.0 * torch::ones({1, 1})).item<double>(), whole, 1e-5 * whole);
+  EXPECT_EQ(layers.forward(2.0 * torch::ones({1, 1})).min().item<double>(), 3.0);
 }
 
 class HeatMapTargets : public ::testing::TestWithParam<const char*> {};
