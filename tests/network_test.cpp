@@ -79,6 +79,19 @@ TEST_F(NetworkTest, IsTrainedAndFindsPoses) {
   EXPECT_THAT(train(config(), {"--resume"}), FailedWith("net.pt.checkpoint"));
 }
 
+TEST_F(NetworkTest, TakesSamplesFromTheCacheToTheSameWeights) {
+  ASSERT_THAT(train(config()), Succeeded());
+  const std::string without = read_text_file(path("net.pt"));
+  for (const std::string run : {"first", "second"}) {
+    std::filesystem::remove(path("net.pt"));
+    ASSERT_THAT(train(config(), {"--cache", path("cache")}), Succeeded());
+    EXPECT_TRUE(read_text_file(path("net.pt")) == without) << run;
+  }
+  EXPECT_THAT(entries_of(path("cache")), SizeIs(2)) << "training and validation";
+  write_text_file(path("file"), "");
+  EXPECT_THAT(train(config(), {"--cache", path("file")}), FailedWith("file"));
+}
+
 TEST_F(NetworkTest, AWrongConfigurationEndsItInOneLine) {
   const auto fault = [&](const std::string& toml, const std::string& part) {
     EXPECT_THAT(train(toml), FailedWith(part)) << toml;

@@ -22,6 +22,8 @@ void add_train_network(CLI::App& train, const std::function<void(const NetworkAr
       .add_option("--minutes", arguments->minutes,
                   "Be done with training in this time; the result then depends on the machine's speed")
       ->check(CLI::NonNegativeNumber);
+  network.add_option("--cache", arguments->cache,
+                     "Folder in which hands that were cut out of frames are kept for the next training");
   network.callback([arguments, run] { run(*arguments); });
 }
 

@@ -16,6 +16,7 @@ struct NetworkArguments {
   bool resume = false;
   std::string device = "cpu";
   double minutes = 0.0;
+  std::filesystem::path cache;
 };
 
 /// Adds `network` to the verb `train`. Two programs know it: `knuckle`, where `run` starts the other one, and

@@ -70,7 +70,7 @@ void train_network(const NetworkArguments& arguments) {
   // First: a folder that cannot be written to ends it here.
   write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
-  const NetworkTrainingResult result = run_network_training(config, run);
+  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache);
   if (result.metrics.size() > 1) write_curves(arguments.out, result.metrics);
   fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
              result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,

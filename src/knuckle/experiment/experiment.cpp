@@ -32,7 +32,9 @@ void copy_whole_file(const std::filesystem::path& from, const std::filesystem::p
 class Experiment {
  public:
   Experiment(const ExperimentPlan& plan, const ExperimentOptions& options)
-      : plan_(plan), options_(options), folder_(options.out) {}
+      : plan_(plan), options_(options), folder_(options.out) {
+    options_.training.cache = folder_.samples();
+  }
 
   std::filesystem::path run() const {
     for (const PlannedMethod& method : plan_.segmentation) provide_pipeline(method);
@@ -53,7 +55,7 @@ class Experiment {
   void provide_pipeline(const PlannedMethod& method) const {
     check_models_of(method);
     const std::filesystem::path out = folder_.pipeline(method);
-    run_step(out, StepInputs().add_content("pipeline", method.pipeline),
+    run_step(out, Inputs().add_content("pipeline", method.pipeline),
              [&](StepStart) { copy_whole_file(method.pipeline, out); });
   }
 
@@ -85,7 +87,7 @@ class Experiment {
   void take(const PlannedModel& model) const {
     const std::filesystem::path from = given(model);
     const std::filesystem::path out = folder_.model(model);
-    StepInputs inputs;
+    Inputs inputs;
     inputs.add("given", from.string()).add_content("model", from).add_content("config", model.config);
     inputs.add_content_if_there("metrics", ExperimentFolder::metrics(from));
     run_step(out, inputs, [&](StepStart) {
@@ -103,7 +105,7 @@ class Experiment {
     const std::filesystem::path out = folder_.model(model);
     const ScaledTraining training =
         write_scaled_training(model.kind, model.config, options_.scale, folder_.training_config(model));
-    StepInputs inputs;
+    Inputs inputs;
     inputs.add("kind", model.kind).add_content("config", training.config);
     for (const std::string& source : training.sources) inputs.add_source("source", source);
     for (const std::filesystem::path& file : training.models) inputs.add_content("model", file);
@@ -126,8 +128,8 @@ class Experiment {
     return scaled_test_source(sequence.source, options_.scale);
   }
 
-  StepInputs inputs_of(const PlannedSequence& sequence, const PlannedMethod& method) const {
-    return StepInputs().add_source("source", source_of(sequence)).add_pipeline(folder_.pipeline(method));
+  Inputs inputs_of(const PlannedSequence& sequence, const PlannedMethod& method) const {
+    return Inputs().add_source("source", source_of(sequence)).add_pipeline(folder_.pipeline(method));
   }
 
   void segment(const PlannedSequence& sequence, const PlannedMethod& method) const {
@@ -158,7 +160,7 @@ class Experiment {
 
   /// The page depends on all models, boxes and poses, and on the truth.
   std::filesystem::path report() const {
-    StepInputs inputs;
+    Inputs inputs;
     inputs.add("title", plan_.title).add("convention", plan_.convention.name).add("claims", plan_.claims);
     inputs.add("scale", fmt::format("{}", options_.scale));
     for (const PlannedModel& model : plan_.models) {
@@ -183,7 +185,7 @@ class Experiment {
   }
 
   const ExperimentPlan& plan_;
-  const ExperimentOptions& options_;
+  ExperimentOptions options_;
   ExperimentFolder folder_;
 };
 

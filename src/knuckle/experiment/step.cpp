@@ -6,13 +6,13 @@
 namespace knuckle {
 namespace {
 
-bool holds(const std::filesystem::path& record, const StepInputs& inputs) {
+bool holds(const std::filesystem::path& record, const Inputs& inputs) {
   return std::filesystem::exists(record) && read_text_file(record) == inputs.text();
 }
 
 }  // namespace
 
-StepOutcome run_step(const std::filesystem::path& output, const StepInputs& inputs,
+StepOutcome run_step(const std::filesystem::path& output, const Inputs& inputs,
                      const std::function<void(StepStart)>& work) {
   const std::filesystem::path made_from = output.string() + ".inputs";
   const std::filesystem::path begun = output.string() + ".begun";

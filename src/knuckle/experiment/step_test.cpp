@@ -13,7 +13,7 @@ namespace {
 class StepTest : public ::testing::Test {
  protected:
   /// Runs a step that writes `content`; returns whether it was done.
-  bool is_done(const StepInputs& inputs, const std::string& content = "made") {
+  bool is_done(const Inputs& inputs, const std::string& content = "made") {
     return run_step(output_, inputs, [&](StepStart) { write_text_file(output_, content); }) ==
            StepOutcome::done;
   }
@@ -23,52 +23,52 @@ class StepTest : public ::testing::Test {
 };
 
 TEST_F(StepTest, IsDoneOnceForTheSameInputs) {
-  EXPECT_TRUE(is_done(StepInputs().add("scale", "1")));
-  EXPECT_FALSE(is_done(StepInputs().add("scale", "1")));
-  EXPECT_TRUE(is_done(StepInputs().add("scale", "2"), "other"));
+  EXPECT_TRUE(is_done(Inputs().add("scale", "1")));
+  EXPECT_FALSE(is_done(Inputs().add("scale", "1")));
+  EXPECT_TRUE(is_done(Inputs().add("scale", "2"), "other"));
   EXPECT_EQ(read_text_file(output_), "other");
-  EXPECT_TRUE(is_done(StepInputs().add("scale", "1"))) << "only the last inputs are those of the output";
+  EXPECT_TRUE(is_done(Inputs().add("scale", "1"))) << "only the last inputs are those of the output";
 }
 
 TEST_F(StepTest, IsDoneAgainWhereItsOutputIsGone) {
-  EXPECT_TRUE(is_done(StepInputs()));
+  EXPECT_TRUE(is_done(Inputs()));
   std::filesystem::remove(output_);
-  EXPECT_TRUE(is_done(StepInputs()));
+  EXPECT_TRUE(is_done(Inputs()));
 }
 
 TEST_F(StepTest, IsDoneAgainWhereAnInputFileChanged) {
   const std::filesystem::path file = folder_ / "input";
   write_text_file(file, "one");
-  EXPECT_TRUE(is_done(StepInputs().add_content("file", file)));
-  EXPECT_FALSE(is_done(StepInputs().add_content("file", file)));
+  EXPECT_TRUE(is_done(Inputs().add_content("file", file)));
+  EXPECT_FALSE(is_done(Inputs().add_content("file", file)));
   write_text_file(file, "two");
-  EXPECT_TRUE(is_done(StepInputs().add_content("file", file)));
+  EXPECT_TRUE(is_done(Inputs().add_content("file", file)));
 }
 
 TEST_F(StepTest, IsDoneAgainWhereAFileOfAnInputFolderChanged) {
   const std::filesystem::path set = folder_ / "set";
   make_folder(set / "depth");
   write_text_file(set / "depth/0.png", "one");
-  EXPECT_TRUE(is_done(StepInputs().add_content("set", set)));
-  EXPECT_FALSE(is_done(StepInputs().add_content("set", set)));
+  EXPECT_TRUE(is_done(Inputs().add_content("set", set)));
+  EXPECT_FALSE(is_done(Inputs().add_content("set", set)));
   std::filesystem::rename(set / "depth/0.png", set / "depth/1.png");
-  EXPECT_TRUE(is_done(StepInputs().add_content("set", set)));
+  EXPECT_TRUE(is_done(Inputs().add_content("set", set)));
 }
 
 TEST_F(StepTest, IsDoneAgainAfterItFailed) {
-  EXPECT_TRUE(is_done(StepInputs().add("scale", "1"), "old"));
-  const StepInputs changed = StepInputs().add("scale", "2");
+  EXPECT_TRUE(is_done(Inputs().add("scale", "1"), "old"));
+  const Inputs changed = Inputs().add("scale", "2");
   EXPECT_THROW(run_step(output_, changed, [](StepStart) { throw std::runtime_error("stopped"); }),
                std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new"));
-  EXPECT_THROW(run_step(output_, StepInputs(), [](StepStart) { throw std::runtime_error("stopped"); }),
+  EXPECT_THROW(run_step(output_, Inputs(), [](StepStart) { throw std::runtime_error("stopped"); }),
                std::runtime_error);
   EXPECT_TRUE(is_done(changed, "new")) << "what a stopped step left counts as made from nothing known";
 }
 
 TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
-  const StepInputs inputs = StepInputs().add("scale", "1");
-  const auto start_of = [&](const StepInputs& of) {
+  const Inputs inputs = Inputs().add("scale", "1");
+  const auto start_of = [&](const Inputs& of) {
     StepStart found = StepStart::anew;
     EXPECT_THROW(run_step(output_, of,
                           [&](StepStart start) {
@@ -80,21 +80,15 @@ TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
   };
   EXPECT_EQ(start_of(inputs), StepStart::anew);
   EXPECT_EQ(start_of(inputs), StepStart::again);
-  EXPECT_EQ(start_of(StepInputs().add("scale", "2")), StepStart::anew);
+  EXPECT_EQ(start_of(Inputs().add("scale", "2")), StepStart::anew);
   EXPECT_EQ(start_of(inputs), StepStart::anew) << "what lies there now is of scale 2";
   EXPECT_TRUE(is_done(inputs));
   std::filesystem::remove(output_);
   EXPECT_EQ(start_of(inputs), StepStart::anew) << "that run came to its end";
 }
 
-TEST_F(StepTest, ContentHashIsThatOfXxhsum) {
-  const std::filesystem::path file = folder_ / "empty";
-  write_text_file(file, "");
-  EXPECT_EQ(content_hash(file), "99aa06d3014798d86001c324468d497f");  // xxhsum -H2 of an empty file
-}
-
 TEST_F(StepTest, NamesAMissingInput) {
-  EXPECT_THAT([&] { StepInputs().add_content("model", folder_ / "none.h5"); },
+  EXPECT_THAT([&] { Inputs().add_content("model", folder_ / "none.h5"); },
               ::testing::ThrowsMessage<Error>(::testing::HasSubstr("none.h5")));
 }
 

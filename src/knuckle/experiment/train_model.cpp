@@ -30,7 +30,10 @@ void train_model(const std::string& kind, const std::filesystem::path& config, c
   std::vector<std::string> arguments = {
       "train", kind,         "--config",  config.string(),
       "--out", out.string(), "--threads", fmt::format("{}", thread_count())};
-  if (kind == "network") arguments.insert(arguments.end(), {"--device", options.device});
+  if (kind == "network") {
+    arguments.insert(arguments.end(), {"--device", options.device});
+    if (!options.cache.empty()) arguments.insert(arguments.end(), {"--cache", options.cache.string()});
+  }
   if (start == StepStart::again && has_checkpoint(out)) arguments.emplace_back("--resume");
   if (start == StepStart::anew) std::filesystem::remove(out);
   run_own_program(arguments);

@@ -10,7 +10,8 @@ namespace knuckle {
 
 /// How models are trained.
 struct TrainingOptions {
-  std::string device = "cpu";  ///< of networks: cpu | cuda
+  std::string device = "cpu";        ///< of networks: cpu | cuda
+  std::filesystem::path cache = {};  ///< of networks: folder for cut-out hands; empty: they are not kept
 };
 
 /// Trains as `knuckle train KIND --config CONFIG --out OUT` does, in a process of its own, with `--resume`

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "knuckle/core/error.h"
-#include "knuckle/forest/content_hash.h"
+#include "knuckle/forest/mixed_hash.h"
 
 namespace knuckle {
 

@@ -9,7 +9,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
-#include "knuckle/forest/content_hash.h"
+#include "knuckle/forest/mixed_hash.h"
 
 namespace knuckle {
 

@@ -56,6 +56,20 @@ void CubeSamples::set(std::int64_t index, const HandPatch& crop, std::span<const
   is_set_[static_cast<std::size_t>(index)] = 1;
 }
 
+void CubeSamples::set(std::int64_t index, const CubeSample& sample) {
+  const std::size_t pixels = static_cast<std::size_t>(crop_px_) * crop_px_;
+  const std::size_t numbers = static_cast<std::size_t>(joint_count_) * kCoordinates;
+  if (sample.codes.size() != pixels || sample.joints.size() != numbers) {
+    fail("training sample {}: {} pixels and {} numbers of joints, expected {} and {}", index,
+         sample.codes.size(), sample.joints.size(), pixels, numbers);
+  }
+  const auto place = static_cast<std::size_t>(index);
+  std::ranges::copy(sample.codes, codes_.begin() + static_cast<std::ptrdiff_t>(place * pixels));
+  std::ranges::copy(sample.joints, joints_.begin() + static_cast<std::ptrdiff_t>(place * numbers));
+  centres_mm_[place] = sample.centre_mm;
+  is_set_[place] = 1;
+}
+
 void CubeSamples::finish() {
   kept_.clear();
   for (std::int64_t i = 0; i < std::ssize(is_set_); ++i) {

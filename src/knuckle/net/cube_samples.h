@@ -35,6 +35,7 @@ class CubeSamples {
   Cube crop() const { return {crop_px_, patch_.side_mm * crop_px_ / patch_.size_px}; }
   const Cube& patch() const { return patch_; }
   int joint_count() const { return joint_count_; }
+  int crop_px() const { return crop_px_; }
   /// Memory of so many samples [bytes].
   static std::int64_t bytes(std::int64_t count, int joint_count, int crop_px);
 
@@ -43,6 +44,8 @@ class CubeSamples {
   /// where a size is wrong.
   void set(std::int64_t index, const HandPatch& crop, std::span<const PatchPoint> joints,
            const Point3& centre_mm);
+  /// Sets sample `index` to one that was taken from others of the same sizes.
+  void set(std::int64_t index, const CubeSample& sample);
   /// Forgets the places that were never set. Call it once, behind the last `set`.
   void finish();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/net/cube_samples.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "knuckle/core/testing.h"
@@ -68,6 +69,18 @@ TEST(CubeSamples, RefusesOtherSizes) {
   hand.crop.pixels = Image<float>(32, 32);
   EXPECT_THAT(error_of([&] { samples.set(0, hand.crop, hand.joints, kTestCentre); }),
               HasSubstr("a crop of 32 x 32, expected 48 x 48"));
+}
+
+TEST(CubeSamples, TakesThoseOfOthersAndRefusesOtherSizes) {
+  const CubeSamples from = testing::made_up_samples(2);
+  CubeSamples to(1, kTestJoints, kTestCube, kTestCropPx);
+  to.set(0, from.sample(1));
+  to.finish();
+  EXPECT_TRUE(std::ranges::equal(to.sample(0).codes, from.sample(1).codes));
+  EXPECT_TRUE(std::ranges::equal(to.sample(0).joints, from.sample(1).joints));
+  EXPECT_EQ(to.sample(0).centre_mm, from.sample(1).centre_mm);
+  CubeSamples larger(1, kTestJoints, kTestCube, kTestCropPx + 1);
+  EXPECT_THAT(error_of([&] { larger.set(0, from.sample(0)); }), HasSubstr("pixels"));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/archive.h"
 
+#include <fstream>
+
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
@@ -34,8 +36,18 @@ void ArchiveWriter::write(const std::string& name, torch::serialize::OutputArchi
 }
 
 void ArchiveWriter::save(const std::filesystem::path& path) {
+  save_archive(path, archive_);
+}
+
+void save_archive(const std::filesystem::path& path, torch::serialize::OutputArchive& archive) {
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    with_clear_errors(path.string() + ": cannot write", [&] { archive_.save_to(temporary.string()); });
+    with_clear_errors(path.string() + ": cannot write", [&] {
+      // A stream, not a path: LibTorch would put the temporary name into the file.
+      std::ofstream stream(temporary, std::ios::binary);
+      archive.save_to(stream);
+      stream.close();
+      if (!stream) fail("{}: cannot write", path.string());
+    });
   });
 }
 

@@ -14,6 +14,10 @@
 
 namespace knuckle {
 
+/// Writes an archive atomically; the same content gives the same bytes. Throws an Error that names the file
+/// where it cannot be written; a former file of that name then stays.
+void save_archive(const std::filesystem::path& path, torch::serialize::OutputArchive& archive);
+
 /// A LibTorch archive with Knuckle's errors: named texts, numbers and lists of tensors, written atomically.
 class ArchiveWriter {
  public:
@@ -22,7 +26,7 @@ class ArchiveWriter {
   void write(const std::string& name, double number);
   void write(const std::string& name, const std::vector<torch::Tensor>& tensors);
   void write(const std::string& name, torch::serialize::OutputArchive& part);
-  /// Throws an Error that names the file where it cannot be written; a former file of that name then stays.
+  /// As `save_archive`.
   void save(const std::filesystem::path& path);
 
  private:

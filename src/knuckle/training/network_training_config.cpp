@@ -5,6 +5,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/pipeline/open_source.h"
+#include "knuckle/pipeline/sample_cache.h"
 
 namespace knuckle {
 namespace {
@@ -29,6 +30,18 @@ void check_memory(const NetworkTrainingConfig& config) {
   }
 }
 
+/// Call it when a HandFinder was made from the document: then its tables are read.
+Inputs inputs_of_finder(const OptionTable& document) {
+  const OptionTable segmentation = document.table("segmentation");
+  Inputs inputs;
+  inputs.add("hand", document.table("hand").resolved_toml())
+      .add("segmentation", segmentation.resolved_toml());
+  if (segmentation.has("model")) {
+    inputs.add_content("model", segmentation.resolved_path(segmentation.required_text("model")));
+  }
+  return inputs;
+}
+
 }  // namespace
 
 void NetworkSampleOptions::visit(OptionVisitor& visitor) {
@@ -45,6 +58,7 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
                                .initial = {},
                                .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
                                .finder = HandFinder(document),
+                               .segmentation = inputs_of_finder(document),
                                .samples = {},
                                .network = {},
                                .augmentation = {},
@@ -63,17 +77,19 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   return config;
 }
 
-NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config,
-                                           const NetworkTrainingRun& run) {
+NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, const NetworkTrainingRun& run,
+                                           const std::filesystem::path& cache_folder) {
   check_memory(config);
+  const SampleCache cache(cache_folder);
   SampleOptions options{.convention = convention_from_name(config.network.convention),
                         .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
                         .crop_px = config.samples.crop_px,
                         .start = config.start,
                         .most = config.samples.most_validation};
-  const NetworkSamples validation = network_samples(config.validation, config.finder, options);
+  const NetworkSamples validation =
+      cache.samples(config.validation, config.finder, config.segmentation, options);
   options.most = config.samples.most;
-  const NetworkSamples training = network_samples(config.source, config.finder, options);
+  const NetworkSamples training = cache.samples(config.source, config.finder, config.segmentation, options);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
   return {train_network(config.network, config.training, config.augmentation, training.samples,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "knuckle/pipeline/hand_finder.h"
+#include "knuckle/pipeline/inputs.h"
 #include "knuckle/pipeline/network_samples.h"
 #include "knuckle/training/network_training.h"
 
@@ -41,6 +42,7 @@ struct NetworkTrainingConfig {
   std::filesystem::path initial;  ///< empty: random weights
   Start start = Start::nearest;
   HandFinder finder;
+  Inputs segmentation;  ///< what `finder` was made from
   NetworkSampleOptions samples;
   NetworkOptions network;
   AugmentationOptions augmentation;
@@ -58,9 +60,10 @@ struct NetworkTrainingResult {
   SampleFrames validation_frames;
 };
 
-/// Cuts samples out of both sources and trains. Throws an Error where a source has no truth, no frame of it
-/// can be used, or the samples take more memory than they may.
-NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config,
-                                           const NetworkTrainingRun& run);
+/// Cuts samples out of both sources, or takes them from the folder `cache` (SampleCache; empty: none), and
+/// trains. Throws an Error where a source has no truth, no frame of it can be used, or the samples take more
+/// memory than they may.
+NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, const NetworkTrainingRun& run,
+                                           const std::filesystem::path& cache = {});
 
 }  // namespace knuckle

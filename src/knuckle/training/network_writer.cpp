@@ -8,9 +8,8 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/net/network_file.h"
-#include "knuckle/training/torch_errors.h"
+#include "knuckle/training/archive.h"
 
 namespace knuckle {
 namespace {
@@ -73,9 +72,7 @@ void save_weights(const std::filesystem::path& path, const NetworkWeights& weigh
   archive.write("header", as_tensor<char>(header, torch::kByte));
   archive.write("weights", as_tensor(weights.halves(), torch::kHalf));
   if (!weights.singles().empty()) archive.write("norms", as_tensor(weights.singles(), torch::kFloat));
-  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    with_clear_errors(path.string() + ": cannot write", [&] { archive.save_to(temporary.string()); });
-  });
+  save_archive(path, archive);
 }
 
 void save_network(const std::filesystem::path& path, const NetworkOptions& options,
