@@ -79,6 +79,24 @@ TEST_F(NetworkTest, IsTrainedAndFindsPoses) {
   EXPECT_THAT(train(config(), {"--resume"}), FailedWith("net.pt.checkpoint"));
 }
 
+TEST_F(NetworkTest, AFullDiskIsSaidAndLeavesWholeFiles) {
+  ASSERT_THAT(train(config()), Succeeded());
+  const std::string model = read_text_file(path("net.pt"));
+  for (const std::string name : {"net.pt", "net.pt.checkpoint"}) {
+    const auto kilobytes = static_cast<int>(std::filesystem::file_size(path(name)) / 2000);
+    EXPECT_THAT(run_program_on_full_disk(
+                    kilobytes, {"train", "network", "--config", path("train.toml"), "--out", path("net.pt")}),
+                FailedWith(name + ": cannot write"));
+    EXPECT_EQ(std::filesystem::file_size(path("net.pt")), model.size());
+    EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\n"), Succeeded());
+    if (name == "net.pt") {
+      EXPECT_TRUE(read_text_file(path("net.pt")) == model) << "the former one";
+      ASSERT_THAT(train(config()), Succeeded());
+    }
+  }
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains(HasSubstr("partial"))));
+}
+
 TEST_F(NetworkTest, TakesSamplesFromTheCacheToTheSameWeights) {
   ASSERT_THAT(train(config()), Succeeded());
   const std::string without = read_text_file(path("net.pt"));

@@ -41,13 +41,17 @@ void ArchiveWriter::save(const std::filesystem::path& path) {
 
 void save_archive(const std::filesystem::path& path, torch::serialize::OutputArchive& archive) {
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary);
+    // Not by the path: LibTorch would put the temporary name into the file. Nor does it learn that a write
+    // failed: it would end the program.
     with_clear_errors(path.string() + ": cannot write", [&] {
-      // A stream, not a path: LibTorch would put the temporary name into the file.
-      std::ofstream stream(temporary, std::ios::binary);
-      archive.save_to(stream);
-      stream.close();
-      if (!stream) fail("{}: cannot write", path.string());
+      archive.save_to([&](const void* bytes, std::size_t size) {
+        stream.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
+        return size;
+      });
     });
+    stream.close();
+    if (!stream) fail("{}: cannot write; is the disk full?", path.string());
   });
 }
 
