@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# From a fresh clone to a picture: set up, build, estimate the hand in a short recording, and say where the report is.
+# From a fresh clone to a picture: set up, build the program alone, estimate the hand in a short recording, and say where
+# the report is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh
-scripts/build.sh release
+scripts/build.sh release knuckle
 build/release/bin/knuckle demo --out "${1:-build/demo}"
