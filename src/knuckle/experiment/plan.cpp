@@ -22,7 +22,7 @@ constexpr std::string_view kFolder = "experiments";
 constexpr std::array<std::string_view, 3> kModelKinds = {"pose-forest", "segmentation-forest", "network"};
 constexpr std::array<std::string_view, 2> kClaims = {"none", "scia15"};
 /// Folders that an experiment makes for itself.
-constexpr std::array<std::string_view, 6> kTaken = {"figures", "models",  "pipelines",
+constexpr std::array<std::string_view, 7> kTaken = {"figures", "models",  "pipelines", "samples",
                                                     "tables",  "timings", "training"};
 
 /// The text under `key`, which no table of the same kind may have as well.
