@@ -24,7 +24,17 @@ endif()
 # Results must be the same bits on every machine: no fused multiply-add behind our back, no fast-math.
 add_compile_options(-ffp-contract=off)
 if(KNUCKLE_ARCH)
-  add_compile_options(-march=${KNUCKLE_ARCH})
+  set(arch_flag -march=${KNUCKLE_ARCH})
+  add_compile_options(${arch_flag})
+endif()
+# Without AVX, GCC warns of each function that takes a vector of 32 bytes. None of ours crosses a library's border.
+include(CheckCXXSymbolExists)
+set(CMAKE_REQUIRED_FLAGS ${arch_flag})
+unset(KNUCKLE_HAS_AVX CACHE)  # KNUCKLE_ARCH may have changed
+check_cxx_symbol_exists(__AVX__ "" KNUCKLE_HAS_AVX)
+unset(CMAKE_REQUIRED_FLAGS)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT KNUCKLE_HAS_AVX)
+  add_compile_options(-Wno-psabi)
 endif()
 if(KNUCKLE_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -11,9 +11,6 @@
 #define KNUCKLE_HAS_AVX2 1
 #else
 #define KNUCKLE_HAS_AVX2 0
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // nothing of this crosses a library's border
-#endif
 #endif
 
 namespace knuckle {
