@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 # What only the programs, the tests and the benchmarks need.
 find_package(CLI11 REQUIRED)
+
+option(KNUCKLE_DEVELOPMENT "Tests, benchmarks and the training of networks: needs GoogleTest, Google Benchmark and LibTorch" ON)
+add_library(knuckle_torch INTERFACE IMPORTED GLOBAL)
+if(NOT KNUCKLE_DEVELOPMENT)
+  # Targets that use these are known then, but cannot be built.
+  foreach(library GTest::gtest_main GTest::gmock benchmark::benchmark_main)
+    add_library(${library} INTERFACE IMPORTED GLOBAL)
+  endforeach()
+  return()
+endif()
+
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 
 # LibTorch's CMake package asks for files that Debian leaves out, and warns of each: where it is Debian's, name the three
 # libraries ourselves. Elsewhere (LibTorch 2.x, with CUDA) CMAKE_PREFIX_PATH tells where it lies.
-add_library(knuckle_torch INTERFACE IMPORTED GLOBAL)
 find_path(TORCH_API_INCLUDE_FOLDER torch/torch.h PATHS /usr/include/torch/csrc/api/include NO_DEFAULT_PATH)
 if(TORCH_API_INCLUDE_FOLDER)
   target_include_directories(knuckle_torch INTERFACE ${TORCH_API_INCLUDE_FOLDER})

@@ -4,6 +4,6 @@
 # the report is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-scripts/setup.sh
-scripts/build.sh release knuckle
+scripts/setup.sh program
+scripts/build.sh program
 build/release/bin/knuckle demo --out "${1:-build/demo}"

@@ -1,19 +1,31 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs everything that Knuckle needs on Debian 12 or Ubuntu 24.04, and fetches the MakeHuman body.
+# Installs what Knuckle needs on Debian 12 or Ubuntu 24.04, and fetches the MakeHuman body.
+#
+#   scripts/setup.sh            everything: to build, test, check and train
+#   scripts/setup.sh program    what the program alone is built from and runs with
+#
 # Does nothing where all is there already. Needs root (or sudo) only for packages that are missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(
   # tools
-  g++ cmake ninja-build pkg-config ccache clang-format clang-tidy gnuplot-nox fonts-dejavu-core python3 python3-numpy python3-h5py
+  g++ cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
   libopenexr-dev libdeflate-dev libxxhash-dev libzip-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+)
+development_packages=(
+  ccache clang-format clang-tidy python3 python3-numpy python3-h5py
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
 )
+case "${1:-}" in
+  "") packages+=("${development_packages[@]}") ;;
+  program) ;;
+  *) echo "usage: scripts/setup.sh [program]" >&2; exit 2 ;;
+esac
 # npm comes with some machines' own Node.js; Debian's package is needed only where it does not.
 command -v npm >/dev/null || packages+=(npm)
 
