@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 
@@ -164,10 +165,17 @@ void add_plot(Script& script, const Figure& figure) {
   }
 }
 
+/// Of the parts of an SVG that are named, so that several may stand in one page.
+std::string identifier_of(std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+}
+
 void add_svg(Script& script, const Figure& figure, const std::filesystem::path& file) {
   add(script, "reset");
   add(script, "set terminal svg noenhanced size {},{} dynamic name {} font '{},13'", width_of(figure),
-      height_of(figure), gnuplot_quoted(figure.name), kFont);
+      height_of(figure), gnuplot_quoted(identifier_of(figure.name)), kFont);
   add(script, "set output {}", gnuplot_quoted(file.string()));
   add_plot(script, figure);
   add(script, "unset output");

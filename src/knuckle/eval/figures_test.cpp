@@ -103,6 +103,17 @@ TEST(Figures, ExecuteNothingThatANameHolds) {
   EXPECT_THAT(svg, HasSubstr("&lt;b>&amp;_^{}@x %s\\n"));
 }
 
+TEST(Figures, AreNamedAsAFileMayBe) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"net-2e-4_curves", "it's my hand", "\u00e9"}) {
+    Figure figure = small_figure({"a"});
+    figure.name = name;
+    write_figures(std::vector{figure}, folder.path());
+    EXPECT_TRUE(is_well_formed_xml(read_text_file(folder / (name + ".svg")))) << name;
+    EXPECT_GE(read_png_rgb(folder / (name + ".png")).width(), 1000) << name;
+  }
+}
+
 TEST(Figures, DrawABarGroupEachCategory) {
   const TemporaryFolder folder;
   Figure figure = small_figure({"a", "b"});
