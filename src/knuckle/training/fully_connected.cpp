@@ -12,6 +12,7 @@ namespace knuckle {
 namespace {
 
 constexpr double kLinearDeviation = 0.01;  // of the first weights of linear layers
+constexpr double kLeastDeviation = 1e-6;   // of a unit that answers to its input
 
 }  // namespace
 
@@ -40,6 +41,22 @@ torch::Tensor FullyConnected::forward(const torch::Tensor& input) {
     if (activations_[i] == Activation::hidden && is_training()) values = dropped_out(values);
   }
   return values;
+}
+
+void FullyConnected::fit_to(const torch::Tensor& input) {
+  const torch::NoGradGuard no_gradient;
+  torch::Tensor values = input;
+  for (std::size_t i = 0; i + 1 < linears_.size(); ++i) {
+    const torch::Tensor sums = linears_[i]->forward(values);
+    const torch::Tensor mean = sums.mean(0);
+    const torch::Tensor deviation = sums.std(0, /*unbiased=*/false);
+    const torch::Tensor scale = torch::where(deviation > kLeastDeviation, 1.0 / deviation, 1.0);
+    linears_[i]->weight.mul_(scale.unsqueeze(1));
+    linears_[i]->bias.sub_(mean).mul_(scale);
+    values = (sums - mean) * scale;
+    if (activations_[i] != Activation::linear) values = torch::relu(values);
+  }
+  linears_.back()->weight.zero_();
 }
 
 torch::Tensor FullyConnected::dropped_out(const torch::Tensor& values) {

@@ -23,6 +23,11 @@ class FullyConnected final : public torch::nn::Module {
 
   /// N x inputs -> N x units of the last layer.
   torch::Tensor forward(const torch::Tensor& input);
+  /// Prepares fresh weights for training: scales and shifts them so that each unit's sum has mean 0 and
+  /// deviation 1 over `input` (N x inputs; Mishkin and Matas 2016), and gives those of the last layer the
+  /// value 0. Else the first answers are much too large and alike for all patches, and what the optimiser's
+  /// first steps do about it, moving thousands of inputs of a unit the same way, shuts hidden units for good.
+  void fit_to(const torch::Tensor& input);
   /// Names the random numbers of the next dropouts: LibTorch's own would depend on which thread comes first.
   void seed_dropout(std::uint64_t seed);
 

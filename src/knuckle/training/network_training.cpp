@@ -117,6 +117,8 @@ class Trainer {
       load_checkpoint();
     } else if (!run_.initial.empty()) {
       load_initial();
+    } else {
+      fit_to_first_batch();
     }
     const std::int64_t end =
         run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
@@ -240,10 +242,23 @@ class Trainer {
       fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
            run_.initial.string());
     }
+    set_weights(*averaged_, initial);
+    begin_with_averaged();
+  }
+
+  void fit_to_first_batch() {
+    const torch::NoGradGuard no_gradient;
+    TrainingBatch batch = BatchPlan(training_, augmentation_, options_.batch_size, options_.seed).batch(0);
+    const int64_t size = averaged_->patch_size();
+    averaged_->fit_to(
+        torch::from_blob(batch.patches.data(), {options_.batch_size, 1, size, size}).to(device_));
+    begin_with_averaged();
+  }
+
+  void begin_with_averaged() {
     const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
       for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
     };
-    set_weights(*averaged_, initial);
     copy(averaged_->parameters(), network_.parameters());
     copy(averaged_->buffers(), network_.buffers());
     network_.share_buffers();
