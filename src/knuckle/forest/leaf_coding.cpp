@@ -5,9 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
 #include "knuckle/core/error.h"
+#include "knuckle/core/symmetric_eigen.h"
 
 namespace knuckle {
 namespace {
@@ -18,8 +17,7 @@ using RowView = Eigen::Map<const RowMatrix>;
 /// A row a component, the widest first.
 RowMatrix principal_components(const RowMatrix& centred) {
   const Eigen::MatrixXd covariance = (centred.transpose() * centred).cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);  // the narrowest first
-  return solver.eigenvectors().rowwise().reverse().transpose().cast<float>();
+  return symmetric_eigen(covariance).vectors.rowwise().reverse().transpose().cast<float>();
 }
 
 std::uint16_t code_of(float value, float step) {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstddef>
 
-#include <Eigen/Eigenvalues>
-
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/core/symmetric_eigen.h"
 
 namespace knuckle {
 
@@ -66,12 +65,11 @@ Projection principal_components(const TrainingSamples& samples, std::span<const 
         const Eigen::VectorXd row = weighted_row(samples, sample, weights) - projection.mean;
         sum.selfadjointView<Eigen::Lower>().rankUpdate(row);
       });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      scatter);  // reads the lower half; eigenvalues ascend
-  projection.rows = solver.eigenvectors().rightCols(most_dimensions).transpose();
-  const double total = solver.eigenvalues().cwiseMax(0.0).sum();
+  const SymmetricEigen eigen = symmetric_eigen(scatter);
+  projection.rows = eigen.vectors.rightCols(most_dimensions).transpose();
+  const double total = eigen.values.cwiseMax(0.0).sum();
   if (total > 0.0) {
-    projection.captured_variance = solver.eigenvalues().tail(most_dimensions).cwiseMax(0.0).sum() / total;
+    projection.captured_variance = eigen.values.tail(most_dimensions).cwiseMax(0.0).sum() / total;
   }
   return projection;
 }

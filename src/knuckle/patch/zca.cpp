@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "knuckle/core/error.h"
+#include "knuckle/core/symmetric_eigen.h"
 
 namespace knuckle {
 
@@ -16,11 +15,10 @@ Eigen::MatrixXd zca_matrix(const Eigen::MatrixXd& samples, double epsilon) {
     fail("whitening: epsilon is {}, expected above 0", epsilon);
   const Eigen::MatrixXd centred = samples.rowwise() - samples.colwise().mean();
   const Eigen::MatrixXd covariance = centred.transpose() * centred / static_cast<double>(samples.rows() - 1);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  if (solver.info() != Eigen::Success) fail("whitening: the eigenvalues of the covariance did not converge");
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
   // Rounding may leave eigenvalues a little below 0.
-  const Eigen::VectorXd scales = (solver.eigenvalues().array().max(0.0) + epsilon).rsqrt();
-  return solver.eigenvectors() * scales.asDiagonal() * solver.eigenvectors().transpose();
+  const Eigen::VectorXd scales = (eigen.values.array().max(0.0) + epsilon).rsqrt();
+  return eigen.vectors * scales.asDiagonal() * eigen.vectors.transpose();
 }
 
 std::vector<float> zca_whitening(const std::vector<Image<float>>& patches, double epsilon) {

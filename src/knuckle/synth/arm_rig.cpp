@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "knuckle/synth/rotation_between.h"
+
 namespace knuckle {
 namespace {
 
@@ -96,8 +98,8 @@ std::vector<BoneRotation> ArmRig::rotations(const ArmAngles& angles) const {
                     Quaterniond(AngleAxisd(kProximalTwist * twist, forearm_direction_)));
     add(forearm_, Quaterniond(AngleAxisd((1.0 - kProximalTwist) * twist, forearm_direction_)));
   }
-  const Quaterniond straight = Quaterniond::FromTwoVectors(
-      hand_axes_.col(1), forearm_ >= 0 ? forearm_direction_ : Vector3d(hand_axes_.col(1)));
+  const Quaterniond straight =
+      forearm_ >= 0 ? rotation_between(hand_axes_.col(1), forearm_direction_) : Quaterniond::Identity();
   // The palm's axes, once the wrist is straight.
   const Vector3d radial = straight * hand_axes_.col(0);
   const Vector3d palmar = straight * hand_axes_.col(2);

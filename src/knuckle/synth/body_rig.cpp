@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "knuckle/synth/rotation_between.h"
+
 namespace knuckle {
 namespace {
 
@@ -14,8 +16,8 @@ std::vector<BoneRotation> hanging_left_arm(const ShapedBody& person) {
   if (shoulder == names.end() || elbow == names.end()) return {};
   const auto bone = shoulder - names.begin();
   const Eigen::Vector3f at_rest = person.joints[elbow - names.begin()] - person.joints[bone];
-  const Eigen::Vector3f hanging(0.3f, -1.0f, 0.1f);
-  return {{static_cast<int>(bone), Eigen::Quaternionf::FromTwoVectors(at_rest, hanging)}};
+  const Eigen::Vector3d hanging(0.3, -1.0, 0.1);
+  return {{static_cast<int>(bone), rotation_between(at_rest.cast<double>(), hanging).cast<float>()}};
 }
 
 }  // namespace

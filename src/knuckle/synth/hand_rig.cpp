@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/synth/rotation_between.h"
+
 namespace knuckle {
 namespace {
 
@@ -79,7 +81,7 @@ HandRig::Digit HandRig::digit_of(const ShapedBody& person, int number) const {
   points[3] = person.landmarks[static_cast<std::size_t>(kTips[number - 1])].cast<double>();
   for (int k = 0; k < 3; ++k) digit.directions[k] = (points[k + 1] - points[k]).normalized();
   for (int k = 1; k < 3; ++k) {
-    digit.straighten[k] = Quaterniond::FromTwoVectors(digit.directions[k], digit.directions[k - 1]);
+    digit.straighten[k] = rotation_between(digit.directions[k], digit.directions[k - 1]);
   }
   return digit;
 }
@@ -89,7 +91,7 @@ HandRig::Digit HandRig::finger_of(const ShapedBody& person, int finger) const {
   const Vector3d radial = axes_.col(0);
   const Vector3d forward = axes_.col(1);
   const Vector3d axis = (radial + kAxisLean[finger] * axes_.col(2)).normalized();
-  digit.straighten[0] = Quaterniond::FromTwoVectors(digit.directions[0], forward);
+  digit.straighten[0] = rotation_between(digit.directions[0], forward);
   digit.flexion_axes[0] = axis;
   digit.flexion_axes[1] = digit.straighten[0].inverse() * axis;
   digit.flexion_axes[2] = digit.straighten[1].inverse() * digit.flexion_axes[1];

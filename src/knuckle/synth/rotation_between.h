@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace knuckle {
+
+/// The smallest rotation that turns the direction `from` into `to`; neither has to be of length 1.
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
+}  // namespace knuckle
