@@ -2,8 +2,8 @@
 #include "knuckle/net/dense_inference.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "knuckle/net/batch_norm.h"
 #include "knuckle/net/map_operations.h"
 #include "knuckle/net/vote_aggregation.h"
 
@@ -18,22 +18,17 @@ Convolution folded_convolution(const NetworkWeights& weights, const std::string&
   const std::vector<DenseUnit> units = dense_units(weights.options().dense);
   const DenseUnit& unit = *std::ranges::find(units, name, &DenseUnit::name);
   std::vector<float> kernels = weights.floats(name + ".convolution.weight");
-  const std::vector<float> scales = weights.floats(name + ".norm.weight");
-  std::vector<float> bias = weights.floats(name + ".norm.bias");
-  const std::span<const float> means = weights.singles(name + ".norm.running_mean");
-  const std::span<const float> variances = weights.singles(name + ".norm.running_var");
-  const std::size_t kernel_size = kernels.size() / scales.size();
-  for (std::size_t i = 0; i < scales.size(); ++i) {
-    const float scale = scales[i] / std::sqrt(variances[i] + kNormEpsilon);
-    bias[i] -= means[i] * scale;
-    for (float& weight : std::span(kernels).subspan(i * kernel_size, kernel_size)) weight *= scale;
+  const FoldedNorm norm = folded_norm(weights, name + ".norm");
+  const std::size_t kernel_size = kernels.size() / norm.scales.size();
+  for (std::size_t i = 0; i < norm.scales.size(); ++i) {
+    for (float& weight : std::span(kernels).subspan(i * kernel_size, kernel_size)) weight *= norm.scales[i];
   }
   const Convolution::Shape shape{.inputs = unit.inputs,
                                  .outputs = unit.outputs,
                                  .kernel = unit.kernel,
                                  .stride = unit.stride,
                                  .padding = unit.kernel / 2};
-  return {shape, name == "stem" ? 1 : whole_lanes(unit.inputs), kernels, bias};
+  return {shape, name == "stem" ? 1 : whole_lanes(unit.inputs), kernels, norm.shifts};
 }
 
 Convolution head_convolution(const NetworkWeights& weights) {

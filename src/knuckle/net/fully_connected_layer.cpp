@@ -22,12 +22,16 @@ inline void prefetch(const void* place) {
 }  // namespace
 
 FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation activation,
-                                         std::span<const Half> weights, std::span<const Half> bias)
-    : inputs_(inputs), outputs_(outputs), activation_(activation) {
+                                         std::span<const Half> weights, const FoldedNorm& norm)
+    : inputs_(inputs),
+      outputs_(outputs),
+      activation_(activation),
+      scales_(norm.scales),
+      shifts_(norm.shifts) {
   const int blocks = (outputs + kOutputsABlock - 1) / kOutputsABlock;
   columns_.resize(static_cast<std::size_t>(blocks) * inputs);
-  bias_.resize(static_cast<std::size_t>(blocks) * kOutputsABlock);
-  std::ranges::transform(bias, bias_.begin(), float_of_half);
+  scales_.resize(static_cast<std::size_t>(blocks) * kOutputsABlock);
+  shifts_.resize(scales_.size());
   for (int block = 0; block < blocks; ++block) {
     Column* const columns = columns_.data() + static_cast<std::size_t>(block) * inputs;
     const int first = block * kOutputsABlock;
@@ -42,11 +46,10 @@ FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation act
 
 std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) const {
   constexpr int kVectors = kOutputsABlock / kLanes;
-  std::vector<float> output(bias_);
+  std::vector<float> output(shifts_.size());
   std::size_t next = 0;  // column; all are read one behind another
   for (std::size_t first = 0; first < output.size(); first += kOutputsABlock) {
-    Float8 sums[kVectors];
-    for (int v = 0; v < kVectors; ++v) sums[v] = load8(output.data() + first + v * kLanes);
+    Float8 sums[kVectors] = {};
     for (int i = 0; i < inputs_; ++i, ++next) {
       const Half* const ahead = columns_[std::min(next + kColumnsAhead, columns_.size() - 1)].weights.data();
       prefetch(ahead);
@@ -58,8 +61,10 @@ std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) cons
       }
     }
     for (int v = 0; v < kVectors; ++v) {
+      const std::size_t place = first + static_cast<std::size_t>(v) * kLanes;
+      sums[v] = multiply_add(load8(scales_.data() + place), sums[v], load8(shifts_.data() + place));
       if (activation_ == Activation::relu) sums[v] = larger8(Float8{}, sums[v]);
-      store8(output.data() + first + v * kLanes, sums[v]);
+      store8(output.data() + place, sums[v]);
     }
   }
   output.resize(static_cast<std::size_t>(outputs_));

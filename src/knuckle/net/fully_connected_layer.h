@@ -6,21 +6,22 @@
 #include <span>
 #include <vector>
 
+#include "knuckle/net/batch_norm.h"
 #include "knuckle/net/convolution.h"
 #include "knuckle/net/half.h"
 
 namespace knuckle {
 
-/// A fully connected layer: output = activation(weights * input + bias).
+/// A fully connected layer: output = activation(scales * (weights * input) + shifts).
 ///
 /// A wide layer is bound by reading its weights, each of which is used once: they stay in half precision in
 /// memory and are read in one stream. Leaving out those of inputs that are 0 (half of them behind a ReLU) was
 /// slower: it breaks the stream.
 class FullyConnectedLayer {
  public:
-  /// `weights`: outputs x inputs; `bias`: outputs.
+  /// `weights`: outputs x inputs; `norm`: the norm behind them, or scales of 1 and a bias.
   FullyConnectedLayer(int inputs, int outputs, Activation activation, std::span<const Half> weights,
-                      std::span<const Half> bias);
+                      const FoldedNorm& norm);
 
   int inputs() const { return inputs_; }
   int outputs() const { return outputs_; }
@@ -39,7 +40,8 @@ class FullyConnectedLayer {
   int outputs_;
   Activation activation_;
   std::vector<Column> columns_;  // blocks of outputs x inputs
-  std::vector<float> bias_;      // whole blocks
+  std::vector<float> scales_;    // whole blocks, as shifts_
+  std::vector<float> shifts_;
 };
 
 }  // namespace knuckle

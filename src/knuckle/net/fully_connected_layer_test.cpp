@@ -18,6 +18,12 @@ std::vector<Half> random_halves(std::size_t count, std::uint64_t stream) {
   return halves;
 }
 
+std::vector<float> random_floats(std::size_t count, std::uint64_t stream) {
+  std::vector<float> floats;
+  for (const Half half : random_halves(count, stream)) floats.push_back(float_of_half(half));
+  return floats;
+}
+
 class FullyConnectedLayers : public ::testing::TestWithParam<std::pair<int, int>> {};
 
 INSTANTIATE_TEST_SUITE_P(, FullyConnectedLayers,
@@ -28,22 +34,21 @@ INSTANTIATE_TEST_SUITE_P(, FullyConnectedLayers,
 TEST_P(FullyConnectedLayers, AreTheDefinition) {
   const auto [inputs, outputs] = GetParam();
   const std::vector<Half> weights = random_halves(static_cast<std::size_t>(inputs) * outputs, 1);
-  const std::vector<Half> bias = random_halves(static_cast<std::size_t>(outputs), 2);
-  std::vector<float> input;
-  for (const Half half : random_halves(static_cast<std::size_t>(inputs), 3)) {
-    input.push_back(std::max(float_of_half(half), 0.0f));  // zeros among them, as behind a ReLU
-  }
+  const FoldedNorm norm{random_floats(static_cast<std::size_t>(outputs), 2),
+                        random_floats(static_cast<std::size_t>(outputs), 4)};
+  std::vector<float> input = random_floats(static_cast<std::size_t>(inputs), 3);
+  for (float& value : input) value = std::max(value, 0.0f);  // zeros among them, as behind a ReLU
   const std::vector<float> linear =
-      FullyConnectedLayer(inputs, outputs, Activation::linear, weights, bias).apply(input);
+      FullyConnectedLayer(inputs, outputs, Activation::linear, weights, norm).apply(input);
   const std::vector<float> rectified =
-      FullyConnectedLayer(inputs, outputs, Activation::relu, weights, bias).apply(input);
+      FullyConnectedLayer(inputs, outputs, Activation::relu, weights, norm).apply(input);
   ASSERT_EQ(linear.size(), static_cast<std::size_t>(outputs));
   for (int o = 0; o < outputs; ++o) {
-    double sum = float_of_half(bias[o]);
+    double sum = 0.0;
     for (int i = 0; i < inputs; ++i) {
       sum += static_cast<double>(input[i]) * float_of_half(weights[static_cast<std::size_t>(o) * inputs + i]);
     }
-    EXPECT_NEAR(linear[o], sum, 2e-6 * std::sqrt(inputs)) << o;
+    EXPECT_NEAR(linear[o], norm.scales[o] * sum + norm.shifts[o], 2e-6 * std::sqrt(inputs)) << o;
     EXPECT_EQ(rectified[o], std::max(linear[o], 0.0f)) << o;
   }
 }

@@ -18,15 +18,19 @@ using enum NetworkArray::Precision;
 
 constexpr double kLastDeviation = 0.01;  // of the last layer's weights
 
+void add_norm(std::vector<NetworkArray>& arrays, const std::string& name, int channels) {
+  arrays.push_back({name + ".weight", {channels}, half});
+  arrays.push_back({name + ".bias", {channels}, half});
+  arrays.push_back({name + ".running_mean", {channels}, single});
+  arrays.push_back({name + ".running_var", {channels}, single});
+}
+
 std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {
   std::vector<NetworkArray> arrays;
   for (const DenseUnit& unit : dense_units(options.dense)) {
     arrays.push_back(
         {unit.name + ".convolution.weight", {unit.outputs, unit.inputs, unit.kernel, unit.kernel}, half});
-    arrays.push_back({unit.name + ".norm.weight", {unit.outputs}, half});
-    arrays.push_back({unit.name + ".norm.bias", {unit.outputs}, half});
-    arrays.push_back({unit.name + ".norm.running_mean", {unit.outputs}, single});
-    arrays.push_back({unit.name + ".norm.running_var", {unit.outputs}, single});
+    add_norm(arrays, unit.name + ".norm", unit.outputs);
   }
   const int maps = kMapsAJoint * options.joint_count();
   arrays.push_back({"head.weight", {maps, options.dense.head_channels, 1, 1}, half});
@@ -54,7 +58,13 @@ std::vector<NetworkArray> paper_arrays(const NetworkOptions& options) {
   int inputs = bank_feature_count(options.patch.size_px, options.paper.second_maps);
   number = 0;
   for (const ConnectedLayer& layer : connected_layers(options)) {
-    add("layers.layer" + std::to_string(number++), {layer.units, inputs});
+    const std::string name = "layers.layer" + std::to_string(number++);
+    if (layer.has_norm()) {
+      arrays.push_back({name + ".linear.weight", {layer.units, inputs}, half});
+      add_norm(arrays, name + ".norm", layer.units);
+    } else {
+      add(name + ".linear", {layer.units, inputs});
+    }
     inputs = layer.units;
   }
   return arrays;

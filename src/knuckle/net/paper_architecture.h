@@ -29,6 +29,9 @@ struct ConnectedLayer {
   enum class Activation { hidden, relu, linear };  ///< hidden: ReLU, in training with dropout
   int units;
   Activation activation;
+
+  /// Layers with a ReLU have a batch norm before it, in place of a bias.
+  bool has_norm() const { return activation != Activation::linear; }
 };
 
 /// Heat maps: numbers a joint in the output, cells and, in `heatmap25d`, bins of depth.

@@ -4,14 +4,26 @@
 #include "knuckle/net/heat_map_decoding.h"
 
 namespace knuckle {
+namespace {
+
+FullyConnectedLayer layer_of(const NetworkWeights& weights, const std::string& name, int inputs,
+                             const ConnectedLayer& layer) {
+  const std::span<const Half> products = weights.halves(name + ".linear.weight");
+  if (layer.has_norm()) {
+    const FoldedNorm norm = folded_norm(weights, name + ".norm");
+    return {inputs, layer.units, Activation::relu, products, norm};
+  }
+  const std::vector<float> ones(static_cast<std::size_t>(layer.units), 1.0f);
+  return {inputs, layer.units, Activation::linear, products, {ones, weights.floats(name + ".linear.bias")}};
+}
+
+}  // namespace
 
 PaperInference::PaperInference(const NetworkWeights& weights) : options_(weights.options()), banks_(weights) {
   int inputs = bank_feature_count(options_.patch.size_px, options_.paper.second_maps);
   for (const ConnectedLayer& layer : connected_layers(options_)) {
     const std::string name = "layers.layer" + std::to_string(layers_.size());
-    const bool is_linear = layer.activation == ConnectedLayer::Activation::linear;
-    layers_.emplace_back(inputs, layer.units, is_linear ? Activation::linear : Activation::relu,
-                         weights.halves(name + ".weight"), weights.halves(name + ".bias"));
+    layers_.push_back(layer_of(weights, name, inputs, layer));
     inputs = layer.units;
   }
 }

@@ -26,6 +26,7 @@ class BatchPlan {
   BatchPlan(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
             std::uint64_t seed);
   TrainingBatch batch(std::int64_t number);
+  int batch_size() const { return batch_size_; }
 
  private:
   std::int64_t sample_of(std::int64_t place);

@@ -8,55 +8,57 @@
 #include <torch/nn/init.h>
 #include <torch/utils.h>
 
+#include "knuckle/net/batch_norm.h"
+
 namespace knuckle {
 namespace {
 
 constexpr double kLinearDeviation = 0.01;  // of the first weights of linear layers
-constexpr double kLeastDeviation = 1e-6;   // of a unit that answers to its input
 
 }  // namespace
 
-FullyConnected::FullyConnected(int64_t inputs, const std::vector<Layer>& layers, double dropout)
+ConnectedUnit::ConnectedUnit(int64_t inputs, const ConnectedLayer& layer)
+    : linear_(register_module(
+          "linear",
+          torch::nn::Linear(torch::nn::LinearOptions(inputs, layer.units).bias(!layer.has_norm())))) {
+  if (layer.has_norm()) {
+    norm_ = register_module(
+        "norm", torch::nn::BatchNorm1d(torch::nn::BatchNorm1dOptions(layer.units).eps(kNormEpsilon)));
+    torch::nn::init::kaiming_normal_(linear_->weight, 0.0, torch::kFanIn, torch::kReLU);
+  } else {
+    torch::nn::init::normal_(linear_->weight, 0.0, kLinearDeviation);
+    torch::nn::init::zeros_(linear_->bias);
+  }
+}
+
+torch::Tensor ConnectedUnit::forward(const torch::Tensor& input) {
+  const torch::Tensor sums = linear_->forward(input);
+  if (norm_.is_empty()) return sums;
+  torch::Tensor result = norm_->forward(sums);
+  return torch::relu_(result);
+}
+
+FullyConnected::FullyConnected(int64_t inputs, const std::vector<ConnectedLayer>& layers, double dropout)
     : dropout_(dropout), generator_(at::detail::createCPUGenerator()) {
-  for (const Layer& layer : layers) {
-    const std::string name = "layer" + std::to_string(linears_.size());
-    linears_.push_back(register_module(name, torch::nn::Linear(inputs, layer.units)));
-    activations_.push_back(layer.activation);
-    torch::Tensor weight = linears_.back()->weight;
-    if (layer.activation == Activation::linear) {
-      torch::nn::init::normal_(weight, 0.0, kLinearDeviation);
-    } else {
-      torch::nn::init::kaiming_normal_(weight, 0.0, torch::kFanIn, torch::kReLU);
-    }
-    torch::nn::init::zeros_(linears_.back()->bias);
+  for (const ConnectedLayer& layer : layers) {
+    const std::string name = "layer" + std::to_string(layers_.size());
+    layers_.push_back({register_module(name, std::make_shared<ConnectedUnit>(inputs, layer)),
+                       layer.activation == ConnectedLayer::Activation::hidden});
     inputs = layer.units;
+  }
+  const torch::NoGradGuard no_gradient;
+  for (torch::Tensor& parameter : layers_.back().unit->parameters()) {
+    if (layers.back().activation == ConnectedLayer::Activation::linear) parameter.zero_();
   }
 }
 
 torch::Tensor FullyConnected::forward(const torch::Tensor& input) {
   torch::Tensor values = input;
-  for (std::size_t i = 0; i < linears_.size(); ++i) {
-    values = linears_[i]->forward(values);
-    if (activations_[i] != Activation::linear) values = torch::relu(values);
-    if (activations_[i] == Activation::hidden && is_training()) values = dropped_out(values);
+  for (const Layer& layer : layers_) {
+    values = layer.unit->forward(values);
+    if (layer.has_dropout && is_training()) values = dropped_out(values);
   }
   return values;
-}
-
-void FullyConnected::fit_to(const torch::Tensor& input) {
-  const torch::NoGradGuard no_gradient;
-  torch::Tensor values = input;
-  for (std::size_t i = 0; i + 1 < linears_.size(); ++i) {
-    const torch::Tensor sums = linears_[i]->forward(values);
-    const torch::Tensor mean = sums.mean(0);
-    const torch::Tensor deviation = sums.std(0, /*unbiased=*/false);
-    const torch::Tensor scale = torch::where(deviation > kLeastDeviation, 1.0 / deviation, 1.0);
-    linears_[i]->weight.mul_(scale.unsqueeze(1));
-    linears_[i]->bias.sub_(mean).mul_(scale);
-    values = (sums - mean) * scale;
-    if (activations_[i] != Activation::linear) values = torch::relu(values);
-  }
-  linears_.back()->weight.zero_();
 }
 
 torch::Tensor FullyConnected::dropped_out(const torch::Tensor& values) {

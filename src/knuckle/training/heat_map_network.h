@@ -25,7 +25,6 @@ class HeatMapNetwork final : public NetworkModule {
                      const torch::Tensor& joints) override;
   /// The confidence of a joint is the height of its map's peak, cut to [0, 1].
   NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) override;
-  void fit_to(const torch::Tensor& patches) override { layers_->fit_to(banks_->forward(patches)); }
   void seed_dropout(std::uint64_t seed) override { layers_->seed_dropout(seed); }
 
   /// The output that says `joints` (N x J x 3, all known) without error.

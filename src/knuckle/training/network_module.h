@@ -28,8 +28,6 @@ class NetworkModule : public torch::nn::Module {
   virtual torch::Tensor loss(const torch::Tensor& output, const torch::Tensor& patches,
                              const torch::Tensor& joints) = 0;
   virtual NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) = 0;
-  /// Gives fresh weights the scale of these patches, where the architecture has no norms that do.
-  virtual void fit_to(const torch::Tensor& /*patches*/) {}
   /// Names the random numbers that the next `forward` in training draws, where the architecture draws any.
   virtual void seed_dropout(std::uint64_t /*seed*/) {}
 

@@ -117,8 +117,6 @@ class Trainer {
       load_checkpoint();
     } else if (!run_.initial.empty()) {
       load_initial();
-    } else {
-      fit_to_first_batch();
     }
     const std::int64_t end =
         run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
@@ -243,19 +241,6 @@ class Trainer {
            run_.initial.string());
     }
     set_weights(*averaged_, initial);
-    begin_with_averaged();
-  }
-
-  void fit_to_first_batch() {
-    const torch::NoGradGuard no_gradient;
-    TrainingBatch batch = BatchPlan(training_, augmentation_, options_.batch_size, options_.seed).batch(0);
-    const int64_t size = averaged_->patch_size();
-    averaged_->fit_to(
-        torch::from_blob(batch.patches.data(), {options_.batch_size, 1, size, size}).to(device_));
-    begin_with_averaged();
-  }
-
-  void begin_with_averaged() {
     const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
       for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
     };
@@ -352,6 +337,10 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
   check_options(options, "training");
   if (options.batch_size % options.shards != 0) {
     fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
+  }
+  if (options.batch_size == options.shards && network.architecture != "dense") {
+    fail("training: batch_size is {} in {} shards, expected at least 2 samples a shard: the norms need them",
+         options.batch_size, options.shards);
   }
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");

@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/norm_statistics.h"
 
+#include <vector>
+
 #include <torch/nn/modules/batchnorm.h>
 #include <torch/utils.h>
 
 namespace knuckle {
 namespace {
 
-std::vector<torch::nn::BatchNorm2dImpl*> norms_of(NetworkModule& network) {
-  std::vector<torch::nn::BatchNorm2dImpl*> norms;
+template <class Norm>
+std::vector<Norm*> norms_of(NetworkModule& network) {
+  std::vector<Norm*> norms;
   for (const auto& module : network.modules(false)) {
-    if (auto* norm = module->as<torch::nn::BatchNorm2dImpl>()) norms.push_back(norm);
+    if (auto* const norm = module->as<Norm>()) norms.push_back(norm);
   }
   return norms;
+}
+
+template <class Norm>
+void reset(const std::vector<Norm*>& norms) {
+  for (Norm* const norm : norms) {
+    norm->reset_running_stats();
+    norm->options.momentum().reset();  // the mean over all batches, not a moving one
+  }
 }
 
 torch::Tensor patches_of(TrainingBatch& batch, int64_t size, const torch::Device& device) {
@@ -25,17 +36,20 @@ torch::Tensor patches_of(TrainingBatch& batch, int64_t size, const torch::Device
 void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches,
                              const torch::Device& device) {
   const torch::NoGradGuard no_gradient;
-  const std::vector<torch::nn::BatchNorm2dImpl*> norms = norms_of(network);
-  if (norms.empty()) return;
-  for (torch::nn::BatchNorm2dImpl* norm : norms) {
-    norm->reset_running_stats();
-    norm->options.momentum().reset();  // the mean over all batches, not a moving one
-  }
+  const auto of_maps = norms_of<torch::nn::BatchNorm2dImpl>(network);
+  const auto of_units = norms_of<torch::nn::BatchNorm1dImpl>(network);
+  if (of_maps.empty() && of_units.empty()) return;
+  reset(of_maps);
+  reset(of_units);
   network.train();
   for (int i = 0; i < batches; ++i) {
     TrainingBatch batch = plan.batch(i);
     network.forward(patches_of(batch, network.patch_size(), device));
   }
+  // In training a norm divides by the deviation within its batch, but LibTorch keeps the unbiased variance:
+  // too much by a part in as many as the batch has samples. Maps have thousands of numbers a sample.
+  const auto count = static_cast<double>(plan.batch_size());
+  for (torch::nn::BatchNorm1dImpl* const norm : of_units) norm->running_var.mul_((count - 1.0) / count);
   network.eval();
 }
 

@@ -22,7 +22,6 @@ class RegressionNetwork final : public NetworkModule {
   torch::Tensor loss(const torch::Tensor& output, const torch::Tensor& patches,
                      const torch::Tensor& joints) override;
   NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) override;
-  void fit_to(const torch::Tensor& patches) override { layers_->fit_to(banks_->forward(patches)); }
   void seed_dropout(std::uint64_t seed) override { layers_->seed_dropout(seed); }
 
  private:
