@@ -20,21 +20,11 @@ torch::Tensor gaussians(const torch::Tensor& centres, int64_t count, double devi
 }  // namespace
 
 HeatMapNetwork::HeatMapNetwork(const NetworkOptions& options)
-    : NetworkModule(options.patch.size_px),
+    : PaperNetwork(options),
       options_(options),
       joint_count_(options.joint_count()),
       bins_(depth_bins_a_joint(options)),
-      grid_{options.paper.map_cells, options.patch.size_px},
-      banks_(
-          register_module("banks", std::make_shared<ConvolutionBanks>(grid_.size_px, options.paper.first_maps,
-                                                                      options.paper.second_maps))),
-      layers_(register_module(
-          "layers", std::make_shared<FullyConnected>(banks_->feature_count(), connected_layers(options),
-                                                     options.paper.dropout))) {}
-
-torch::Tensor HeatMapNetwork::forward(const torch::Tensor& patches) {
-  return layers_->forward(banks_->forward(patches));
-}
+      grid_{options.paper.map_cells, options.patch.size_px} {}
 
 torch::Tensor HeatMapNetwork::targets(const torch::Tensor& joints) const {
   // cell_of is linear.

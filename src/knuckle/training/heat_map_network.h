@@ -2,12 +2,8 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
-#include <memory>
-
 #include "knuckle/net/heat_map.h"
-#include "knuckle/training/convolution_banks.h"
-#include "knuckle/training/fully_connected.h"
-#include "knuckle/training/network_module.h"
+#include "knuckle/training/paper_network.h"
 
 namespace knuckle {
 
@@ -16,16 +12,14 @@ namespace knuckle {
 ///
 /// Output: N x (J cells^2 [+ J bins]). The targets are Gaussians of height 1 around the joints; the loss is
 /// the squared error, summed over a joint's cells and bins, the mean over the joints that are known.
-class HeatMapNetwork final : public NetworkModule {
+class HeatMapNetwork final : public PaperNetwork {
  public:
   explicit HeatMapNetwork(const NetworkOptions& options);
 
-  torch::Tensor forward(const torch::Tensor& patches) override;
   torch::Tensor loss(const torch::Tensor& output, const torch::Tensor& patches,
                      const torch::Tensor& joints) override;
   /// The confidence of a joint is the height of its map's peak, cut to [0, 1].
   NetworkAnswer decode(const torch::Tensor& output, const torch::Tensor& patches) override;
-  void seed_dropout(std::uint64_t seed) override { layers_->seed_dropout(seed); }
 
   /// The output that says `joints` (N x J x 3, all known) without error.
   torch::Tensor targets(const torch::Tensor& joints) const;
@@ -35,8 +29,6 @@ class HeatMapNetwork final : public NetworkModule {
   int64_t joint_count_;
   int64_t bins_;  // of depth a joint; 0 where it is looked up
   HeatMapGrid grid_;
-  std::shared_ptr<ConvolutionBanks> banks_;
-  std::shared_ptr<FullyConnected> layers_;
 };
 
 }  // namespace knuckle

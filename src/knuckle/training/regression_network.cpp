@@ -4,18 +4,6 @@
 #include <torch/utils.h>
 
 namespace knuckle {
-RegressionNetwork::RegressionNetwork(const NetworkOptions& options)
-    : NetworkModule(options.patch.size_px),
-      banks_(register_module(
-          "banks", std::make_shared<ConvolutionBanks>(options.patch.size_px, options.paper.first_maps,
-                                                      options.paper.second_maps))),
-      layers_(register_module(
-          "layers", std::make_shared<FullyConnected>(banks_->feature_count(), connected_layers(options),
-                                                     options.paper.dropout))) {}
-
-torch::Tensor RegressionNetwork::forward(const torch::Tensor& patches) {
-  return layers_->forward(banks_->forward(patches));
-}
 
 torch::Tensor RegressionNetwork::loss(const torch::Tensor& output, const torch::Tensor& /*patches*/,
                                       const torch::Tensor& joints) {

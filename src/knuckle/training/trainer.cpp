@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/trainer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <torch/cuda.h>
+#include <torch/utils.h>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/net/network_file.h"
+#include "knuckle/training/archive.h"
+#include "knuckle/training/network_validation.h"
+#include "knuckle/training/network_writer.h"
+#include "knuckle/training/norm_statistics.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::string_view kCheckpointFormat = "knuckle-network-checkpoint";
+constexpr int kCheckpointVersion = 2;
+constexpr int64_t kMetricsColumns = 8;
+/// A young average forgets sooner: its decay is at most (1 + step) / (10 + step).
+constexpr double kAverageDelay = 10.0;
+/// Batches that the averaged network's norms are measured over.
+constexpr int kNormBatches = 40;
+
+torch::Device device_of(const std::string& name) {
+  if (name == "cpu") return {torch::kCPU};
+  if (name != "cuda") fail("device is \"{}\", expected cpu or cuda", name);
+  if (!torch::cuda::is_available()) fail("device cuda: this LibTorch has none");
+  return {torch::kCUDA};
+}
+
+torch::Tensor as_tensor(const std::vector<TrainingMetrics>& metrics) {
+  std::vector<double> values;
+  for (const TrainingMetrics& m : metrics) {
+    values.insert(values.end(), {static_cast<double>(m.step), static_cast<double>(m.samples), m.learning_rate,
+                                 m.training_loss, m.validation.first_mm, m.validation.second_mm,
+                                 m.samples_per_second, m.waiting_share});
+  }
+  return torch::tensor(values, torch::kDouble).view({-1, kMetricsColumns});
+}
+
+std::vector<TrainingMetrics> metrics_of(const torch::Tensor& tensor) {
+  std::vector<TrainingMetrics> metrics;
+  const torch::Tensor values = tensor.contiguous();
+  for (int64_t i = 0; i < values.size(0); ++i) {
+    const double* const v = values.data_ptr<double>() + i * kMetricsColumns;
+    metrics.push_back({static_cast<std::int64_t>(v[0]),
+                       static_cast<std::int64_t>(v[1]),
+                       v[2],
+                       v[3],
+                       {v[4], v[5]},
+                       v[6],
+                       v[7]});
+  }
+  return metrics;
+}
+
+NetworkModule& on_device(NetworkModule& network, const torch::Device& device) {
+  network.to(device);
+  return network;
+}
+
+std::int64_t steps_of(std::int64_t samples, const NetworkTrainingOptions& options) {
+  return static_cast<std::int64_t>(
+      std::ceil(options.epochs * static_cast<double>(samples) / options.batch_size));
+}
+
+}  // namespace
+
+Trainer::Trainer(const NetworkOptions& network, const NetworkTrainingOptions& options,
+                 const AugmentationOptions& augmentation, const CubeSamples& training,
+                 const CubeSamples& validation, const NetworkTrainingRun& run)
+    : network_options_(network),
+      options_(options),
+      augmentation_(augmentation),
+      training_(training),
+      validation_(validation),
+      run_(run),
+      device_(device_of(run.device)),
+      step_count_(steps_of(training.size(), options)),
+      network_(network, options.seed, options.shards, device_),
+      averaged_(make_network(network, options.seed)),
+      optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options) {
+  averaged_->eval();
+}
+
+std::vector<TrainingMetrics> Trainer::train() {
+  if (run_.begin == NetworkTrainingRun::Begin::from_checkpoint) {
+    load_checkpoint();
+  } else if (!run_.initial.empty()) {
+    load_initial();
+  }
+  const std::int64_t end =
+      run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
+  if (step_ >= end || has_run_out_of_patience()) return metrics_;
+  BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
+  BatchLoader loader(std::move(plan), step_, end);
+  Progress shown("train", "samples", (end - step_) * options_.batch_size);
+  bool is_done = false;
+  while (!is_done) {
+    step(loader);
+    shown.advance(options_.batch_size);
+    is_done = step_ == end || time_share() >= 1.0;
+    if (step_ % options_.validate_every == 0 || is_done) validate(loader);
+    is_done = is_done || has_run_out_of_patience();
+  }
+  return metrics_;
+}
+
+double Trainer::time_share() const {
+  return run_.minutes > 0.0 ? whole_time_.seconds() / (60.0 * run_.minutes) : 0.0;
+}
+
+double Trainer::progress() const {
+  const double steps = static_cast<double>(step_ + 1) / static_cast<double>(step_count_);
+  return std::min(1.0, std::max(steps, time_share()));
+}
+
+void Trainer::step(BatchLoader& loader) {
+  TrainingBatch batch = loader.next();
+  const double rate = learning_rate_at(options_.learning_rate, progress());
+  const double loss =
+      network_.backward(batch, derived_seed(options_.seed, static_cast<std::uint64_t>(step_)));
+  const double norm = optimiser_.gradient_norm();
+  if (!std::isfinite(loss) || !std::isfinite(norm)) {
+    const std::string kept = metrics_.empty() ? std::string("nothing was written yet")
+                                              : fmt::format("{} keeps the state of step {}",
+                                                            run_.checkpoint.string(), metrics_.back().step);
+    fail("training: the loss is {} and the gradient's norm {} at step {}, try a smaller learning_rate; {}",
+         loss, norm, step_, kept);
+  }
+  ++step_;
+  optimiser_.step({rate, scale_for(norm), decay_of_average()});
+  loss_sum_ += loss;
+  ++loss_count_;
+}
+
+double Trainer::scale_for(double norm) const {
+  const double limit = options_.gradient_clip;
+  return limit > 0.0 && norm > limit ? limit / norm : 1.0;
+}
+
+double Trainer::decay_of_average() const {
+  const auto steps = static_cast<double>(step_);
+  return std::min(options_.average_decay, (1.0 + steps) / (kAverageDelay + steps));
+}
+
+void Trainer::validate(const BatchLoader& loader) {
+  const torch::NoGradGuard no_gradient;
+  const BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
+  measure_norm_statistics(*averaged_, plan, kNormBatches, device_);
+
+  TrainingMetrics metrics;
+  const double seconds = since_validation_.seconds();
+  metrics.step = step_;
+  metrics.samples = step_ * options_.batch_size;
+  metrics.learning_rate = learning_rate_at(options_.learning_rate, progress());
+  metrics.training_loss = loss_sum_ / static_cast<double>(loss_count_);
+  metrics.samples_per_second = static_cast<double>(loss_count_ * options_.batch_size) / seconds;
+  metrics.waiting_share = (loader.waited_seconds() - waited_before_) / seconds;
+  metrics.validation = validation_errors(*averaged_, validation_, device_);
+  if (is_best(metrics)) save_network(run_.model, network_options_, *averaged_);
+  metrics_.push_back(metrics);
+  save_checkpoint();
+  if (run_.report) run_.report(metrics_);
+  loss_sum_ = 0.0;
+  loss_count_ = 0;
+  waited_before_ = loader.waited_seconds();
+  since_validation_.restart();
+}
+
+bool Trainer::is_best(const TrainingMetrics& metrics) const {
+  if (!std::isfinite(metrics.validation.second_mm)) return false;
+  return std::ranges::all_of(metrics_, [&](const TrainingMetrics& before) {
+    return !(before.validation.second_mm <= metrics.validation.second_mm);
+  });
+}
+
+bool Trainer::has_run_out_of_patience() const {
+  if (options_.patience == 0 || metrics_.empty()) return false;
+  const auto error = [](const TrainingMetrics& m) { return m.validation.second_mm; };
+  const auto best = std::ranges::min_element(metrics_, {}, error);
+  return metrics_.end() - best > options_.patience;
+}
+
+std::string Trainer::identity() const {
+  return network_options_as_toml(network_options_) + "[training]\n" + options_as_toml(options_) +
+         "[augmentation]\n" + options_as_toml(augmentation_) +
+         fmt::format("[data]\nsamples = {}\ninitial = \"{}\"\n", training_.size(),
+                     run_.initial.filename().string());
+}
+
+void Trainer::load_initial() {
+  const torch::NoGradGuard no_gradient;
+  const NetworkWeights initial = load_network_weights(run_.initial);
+  if (network_options_as_toml(initial.options()) != network_options_as_toml(network_options_)) {
+    fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
+         run_.initial.string());
+  }
+  set_weights(*averaged_, initial);
+  const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
+  };
+  copy(averaged_->parameters(), network_.parameters());
+  copy(averaged_->buffers(), network_.buffers());
+  network_.share_buffers();
+}
+
+void Trainer::save_checkpoint() {
+  ArchiveWriter archive(kCheckpointFormat, kCheckpointVersion);
+  archive.write("identity", identity());
+  archive.write("step", static_cast<double>(step_));
+  archive.write("parameters", network_.parameters());
+  archive.write("buffers", network_.buffers());
+  archive.write("averages", averaged_->parameters());
+  archive.write("metrics", std::vector<torch::Tensor>{as_tensor(metrics_)});
+  archive.write("moments", optimiser_.moments());
+  archive.save(run_.checkpoint);
+}
+
+void Trainer::load_checkpoint() {
+  ArchiveReader archive(run_.checkpoint, kCheckpointFormat, kCheckpointVersion);
+  if (archive.text("identity") != identity()) {
+    fail("{}: the checkpoint is of a training with other options or another number of samples",
+         run_.checkpoint.string());
+  }
+  archive.copy_into("parameters", network_.parameters());
+  archive.copy_into("buffers", network_.buffers());
+  network_.share_buffers();
+  archive.copy_into("averages", averaged_->parameters());
+  const std::vector<torch::Tensor> metrics = archive.tensors("metrics");
+  if (metrics.size() != 1) fail("{}: the metrics are missing", run_.checkpoint.string());
+  metrics_ = metrics_of(metrics.front());
+  archive.copy_into("moments", optimiser_.moments());
+  step_ = static_cast<std::int64_t>(archive.number("step"));
+  optimiser_.set_steps(step_);
+}
+
+}  // namespace knuckle

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to the module: this header shows LibTorch.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <torch/types.h>
+
+#include "knuckle/training/batch_loader.h"
+#include "knuckle/training/network_module.h"
+#include "knuckle/training/network_training.h"
+#include "knuckle/training/optimiser.h"
+#include "knuckle/training/sharded_network.h"
+
+namespace knuckle {
+
+/// Seconds since it was made, without those in which it was stopped.
+class StopWatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  void restart() { start_ = std::chrono::steady_clock::now(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// One training, from its beginning or a checkpoint to its end: see `train_network`.
+class Trainer {
+ public:
+  Trainer(const NetworkOptions& network, const NetworkTrainingOptions& options,
+          const AugmentationOptions& augmentation, const CubeSamples& training, const CubeSamples& validation,
+          const NetworkTrainingRun& run);
+
+  /// To the end, or to where it is told to stop. Returns the metrics of all validations.
+  std::vector<TrainingMetrics> train();
+
+ private:
+  void step(BatchLoader& loader);
+  /// How much of the training will be done behind the next step.
+  double progress() const;
+  /// How much of the time it may take has gone by; 0 where that is not limited.
+  double time_share() const;
+  /// Shortens a gradient that is longer than `gradient_clip`.
+  double scale_for(double norm) const;
+  double decay_of_average() const;
+
+  /// Measures the averaged network, keeps it where it is the best so far, and writes a checkpoint.
+  void validate(const BatchLoader& loader);
+  bool is_best(const TrainingMetrics& metrics) const;
+  bool has_run_out_of_patience() const;
+
+  /// Begins with another training's weights: for more samples, or the user's own.
+  void load_initial();
+  void save_checkpoint();
+  void load_checkpoint();
+  /// What must be the same for a training to go on.
+  std::string identity() const;
+
+  NetworkOptions network_options_;
+  NetworkTrainingOptions options_;
+  AugmentationOptions augmentation_;
+  const CubeSamples& training_;
+  const CubeSamples& validation_;
+  NetworkTrainingRun run_;
+  torch::Device device_;
+  std::int64_t step_count_;
+  ShardedNetwork network_;
+  std::shared_ptr<NetworkModule> averaged_;
+  Optimiser optimiser_;
+  std::int64_t step_ = 0;
+  std::vector<TrainingMetrics> metrics_;
+  double loss_sum_ = 0.0;
+  std::int64_t loss_count_ = 0;
+  double waited_before_ = 0.0;
+  StopWatch since_validation_;
+  StopWatch whole_time_;
+};
+
+}  // namespace knuckle
