@@ -6,129 +6,14 @@
 #include <limits>
 #include <vector>
 
-#include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
+#include "knuckle/synth/point_projector.h"
 
 namespace knuckle {
 namespace {
 
-constexpr int kSubpixelBits = 12;
-constexpr int kSubpixels = 1 << kSubpixelBits;
-/// Corners farther from the image than this do not fit the integers [px]. Only what all but touches the
-/// camera is.
-constexpr double kGuardBand = 1 << 17;
 /// Triangles of at most this extent have edge functions that fit 32 bits [px].
 constexpr int kSmallExtent = 64;
-
-/// A place in the image in subpixels.
-struct Place {
-  std::int32_t x = kNowhere;
-  std::int32_t y = kNowhere;
-  static constexpr std::int32_t kNowhere = -(1 << 30);  ///< of a point that cannot be drawn
-
-  bool is_drawable() const { return x != kNowhere; }
-};
-
-/// A corner in the image. `key` grows towards the camera and is linear in the image over a plane.
-struct Corner {
-  double u = 0.0;
-  double v = 0.0;
-  double key = 0.0;
-  Place place;
-};
-
-bool is_projective(const Camera& camera) {
-  return camera.model == CameraModel::projective;
-}
-
-std::int32_t subpixels(double pixels) {
-  return static_cast<std::int32_t>(
-      std::floor(std::clamp(pixels, -kGuardBand, kGuardBand) * kSubpixels + 0.5));
-}
-
-/// Points projected into the image, an array for each coordinate: the loops over them have no branch.
-struct ProjectedPoints {
-  std::vector<double> u;
-  std::vector<double> v;
-  std::vector<double> key;
-  std::vector<Place> places;
-
-  explicit ProjectedPoints(std::size_t size) : u(size), v(size), key(size), places(size) {}
-  Corner corner(std::int32_t i) const { return {u[i], v[i], key[i], places[i]}; }
-};
-
-/// Maps points into the image; knows how far from the axis the camera's distortion can be trusted.
-class PointProjector {
- public:
-  PointProjector(const Camera& camera, double near_mm)
-      : projection_(camera), camera_(camera), near_mm_(near_mm), is_distorted_(camera.is_distorted()) {
-    if (is_distorted_) widest_ray_ = 1.2 * widest_ray_of_border();
-  }
-
-  ProjectedPoints operator()(std::span<const Eigen::Vector3f> points) const {
-    ProjectedPoints projected(points.size());
-    if (is_distorted_) {
-      project_distorted(points, projected);
-    } else if (is_projective(camera_)) {
-      project_straight(points, projected, [](double z) { return 1.0 / z; });
-    } else {
-      project_straight(points, projected, [](double) { return 1.0; });
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double z = points[i].z();
-      projected.key[i] = is_projective(camera_) ? 1.0 / z : -z;
-      const bool is_drawable =
-          z >= near_mm_ && std::abs(projected.u[i]) < kGuardBand && std::abs(projected.v[i]) < kGuardBand;
-      if (is_drawable) projected.places[i] = {subpixels(projected.u[i]), subpixels(projected.v[i])};
-    }
-    return projected;
-  }
-
- private:
-  template <class Scale>
-  void project_straight(std::span<const Eigen::Vector3f> points, ProjectedPoints& projected,
-                        const Scale& scale_at) const {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double scale = scale_at(points[i].z());
-      projected.u[i] = camera_.fx * points[i].x() * scale + camera_.cx;
-      projected.v[i] = camera_.fy * points[i].y() * scale + camera_.cy;
-    }
-  }
-
-  /// The polynomials fold far outside the image: such points are not drawn.
-  void project_distorted(std::span<const Eigen::Vector3f> points, ProjectedPoints& projected) const {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector3d point = points[i].cast<double>();
-      const bool is_trusted = point.z() >= near_mm_ && point.head<2>().norm() <= widest_ray_ * point.z();
-      const ImagePoint image_point =
-          is_trusted ? projection_.to_image(point) : ImagePoint{kGuardBand, kGuardBand, 0.0};
-      projected.u[i] = image_point.u;
-      projected.v[i] = image_point.v;
-    }
-  }
-
-  double widest_ray_of_border() const {
-    double widest = 0.0;
-    const auto widen = [&](double u, double v) {
-      widest = std::max(widest, projection_.to_camera(ImagePoint{u, v, 1.0}).head<2>().norm());
-    };
-    for (int column = 0; column < camera_.width; ++column) {
-      widen(column, 0);
-      widen(column, camera_.height - 1);
-    }
-    for (int row = 0; row < camera_.height; ++row) {
-      widen(0, row);
-      widen(camera_.width - 1, row);
-    }
-    return widest;
-  }
-
-  Projection projection_;
-  Camera camera_;
-  double near_mm_;
-  bool is_distorted_;
-  double widest_ray_ = 0.0;
-};
 
 /// Keys and faces of the pixels so far, with a margin at the right that nobody sees.
 struct Canvas {
