@@ -9,8 +9,6 @@
 namespace knuckle {
 namespace {
 
-constexpr int kCoordinates = 3;
-
 std::uint8_t code_of_depth(float d) {
   if (d >= kCubeBackground) return CubeSamples::kBackgroundCode;
   return static_cast<std::uint8_t>(std::lround(127.0f + 127.0f * std::clamp(d, -1.0f, 1.0f)));
@@ -24,14 +22,14 @@ CubeSamples::CubeSamples(std::int64_t count, int joint_count, const Cube& patch,
     fail("training samples: crops of {} px are smaller than the patches of {} px", crop_px, patch.size_px);
   }
   const auto places = static_cast<std::size_t>(count);
-  codes_.resize(places * crop_px * crop_px);
-  joints_.resize(places * joint_count * kCoordinates);
+  codes_.resize(places * pixels());
+  joints_.resize(places * numbers());
   centres_mm_.resize(places, Point3::Zero());
   is_set_.resize(places, 0);
 }
 
 std::int64_t CubeSamples::bytes(std::int64_t count, int joint_count, int crop_px) {
-  const std::int64_t joints = std::int64_t{joint_count} * kCoordinates * std::int64_t{sizeof(float)};
+  const std::int64_t joints = std::int64_t{joint_count} * 3 * std::int64_t{sizeof(float)};
   return count * (std::int64_t{crop_px} * crop_px + joints + std::int64_t{sizeof(Point3)} + 9);
 }
 
@@ -44,28 +42,27 @@ void CubeSamples::set(std::int64_t index, const HandPatch& crop, std::span<const
   if (std::ssize(joints) != joint_count_) {
     fail("training sample {}: {} joints, expected {}", index, joints.size(), joint_count_);
   }
-  std::ranges::transform(crop.pixels.pixels(), codes_.begin() + index * crop_px_ * crop_px_, code_of_depth);
+  const auto place = static_cast<std::size_t>(index);
+  std::ranges::transform(crop.pixels.pixels(), codes_.data() + place * pixels(), code_of_depth);
   const double half_px = 0.5 * (crop_px_ - 1);
-  float* to = joints_.data() + index * joint_count_ * kCoordinates;
+  float* to = joints_.data() + place * numbers();
   for (const PatchPoint& joint : joints) {
     *to++ = static_cast<float>(joint.u * half_px);
     *to++ = static_cast<float>(joint.v * half_px);
     *to++ = static_cast<float>(joint.d);
   }
-  centres_mm_[static_cast<std::size_t>(index)] = centre_mm;
-  is_set_[static_cast<std::size_t>(index)] = 1;
+  centres_mm_[place] = centre_mm;
+  is_set_[place] = 1;
 }
 
 void CubeSamples::set(std::int64_t index, const CubeSample& sample) {
-  const std::size_t pixels = static_cast<std::size_t>(crop_px_) * crop_px_;
-  const std::size_t numbers = static_cast<std::size_t>(joint_count_) * kCoordinates;
-  if (sample.codes.size() != pixels || sample.joints.size() != numbers) {
+  if (sample.codes.size() != pixels() || sample.joints.size() != numbers()) {
     fail("training sample {}: {} pixels and {} numbers of joints, expected {} and {}", index,
-         sample.codes.size(), sample.joints.size(), pixels, numbers);
+         sample.codes.size(), sample.joints.size(), pixels(), numbers());
   }
   const auto place = static_cast<std::size_t>(index);
-  std::ranges::copy(sample.codes, codes_.begin() + static_cast<std::ptrdiff_t>(place * pixels));
-  std::ranges::copy(sample.joints, joints_.begin() + static_cast<std::ptrdiff_t>(place * numbers));
+  std::ranges::copy(sample.codes, codes_.data() + place * pixels());
+  std::ranges::copy(sample.joints, joints_.data() + place * numbers());
   centres_mm_[place] = sample.centre_mm;
   is_set_[place] = 1;
 }
@@ -79,10 +76,8 @@ void CubeSamples::finish() {
 
 CubeSample CubeSamples::sample(std::int64_t index) const {
   const auto place = static_cast<std::size_t>(kept_[static_cast<std::size_t>(index)]);
-  const std::size_t pixels = static_cast<std::size_t>(crop_px_) * crop_px_;
-  const std::size_t numbers = static_cast<std::size_t>(joint_count_) * kCoordinates;
-  return {std::span(codes_).subspan(place * pixels, pixels),
-          std::span(joints_).subspan(place * numbers, numbers), centres_mm_[place]};
+  return {std::span(codes_).subspan(place * pixels(), pixels()),
+          std::span(joints_).subspan(place * numbers(), numbers()), centres_mm_[place]};
 }
 
 }  // namespace knuckle

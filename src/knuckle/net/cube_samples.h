@@ -56,6 +56,9 @@ class CubeSamples {
   static float depth_of_code(std::uint8_t code) { return (static_cast<float>(code) - 127.0f) / 127.0f; }
 
  private:
+  std::size_t pixels() const { return static_cast<std::size_t>(crop_px_) * crop_px_; }  // of a crop
+  std::size_t numbers() const { return 3 * static_cast<std::size_t>(joint_count_); }    // of its joints
+
   int joint_count_;
   Cube patch_;
   int crop_px_;

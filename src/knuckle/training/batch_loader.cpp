@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/batch_loader.h"
 
-#include <chrono>
 #include <numeric>
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/pipeline/stopwatch.h"
 
 namespace knuckle {
 namespace {
@@ -91,10 +91,10 @@ void BatchLoader::work(std::int64_t first, std::int64_t end) {
 
 TrainingBatch BatchLoader::next() {
   if (left_ <= 0) fail("training: there is no batch left");
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !ready_.empty() || fault_; });
-  waited_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  waited_seconds_ += watch.seconds();
   if (ready_.empty()) std::rethrow_exception(fault_);
   TrainingBatch batch = std::move(ready_.front());
   ready_.pop_front();

@@ -170,7 +170,7 @@ void Trainer::validate(const BatchLoader& loader) {
   loss_sum_ = 0.0;
   loss_count_ = 0;
   waited_before_ = loader.waited_seconds();
-  since_validation_.restart();
+  since_validation_ = Stopwatch();
 }
 
 bool Trainer::is_best(const TrainingMetrics& metrics) const {

@@ -2,7 +2,6 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include <torch/types.h>
 
+#include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/training/batch_loader.h"
 #include "knuckle/training/network_module.h"
 #include "knuckle/training/network_training.h"
@@ -17,18 +17,6 @@
 #include "knuckle/training/sharded_network.h"
 
 namespace knuckle {
-
-/// Seconds since it was made, without those in which it was stopped.
-class StopWatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  void restart() { start_ = std::chrono::steady_clock::now(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// One training, from its beginning or a checkpoint to its end: see `train_network`.
 class Trainer {
@@ -78,8 +66,8 @@ class Trainer {
   double loss_sum_ = 0.0;
   std::int64_t loss_count_ = 0;
   double waited_before_ = 0.0;
-  StopWatch since_validation_;
-  StopWatch whole_time_;
+  Stopwatch since_validation_;
+  Stopwatch whole_time_;
 };
 
 }  // namespace knuckle
