@@ -9,7 +9,7 @@ set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
 option(KNUCKLE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
-option(KNUCKLE_WERROR "Treat warnings in our own code as errors" ON)
+option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .ci/run: other compilers warn of other things
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(default_arch x86-64-v3)  # AVX2 and FMA: every x86 processor since 2013
 endif()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what Knuckle needs on Debian 12 or Ubuntu 24.04, and fetches the MakeHuman body.
+# Installs what Knuckle needs on Debian 12 or 13, and fetches the MakeHuman body.
 #
 #   scripts/setup.sh            everything: to build, test, check and train
 #   scripts/setup.sh program    what the program alone is built from and runs with
