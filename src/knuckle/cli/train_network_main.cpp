@@ -35,7 +35,8 @@ void write_curves(const std::filesystem::path& model, const std::vector<Training
                 .y_label = "mean 3D error [mm]",
                 .x = {},
                 .categories = {},
-                .series = {{"first look", {}}, {"second look", {}}}};
+                .series = {{"first look", {}}, {"second look", {}}},
+                .y_end = std::nullopt};
   for (const TrainingMetrics& m : metrics) {
     figure.x.push_back(static_cast<double>(m.samples) / 1000.0);
     figure.series[0].values.push_back(m.validation.first_mm);

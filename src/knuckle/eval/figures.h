@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct Figure {
   std::vector<double> x;                ///< places on the x axis, rising; curves only
   std::vector<std::string> categories;  ///< below the groups; bars only
   std::vector<Series> series;
+  /// Where the y axis of curves ends, which begins at 0; nothing: where the values do.
+  std::optional<double> y_end = 100.0;
 };
 
 /// Writes NAME.svg and NAME.png for each figure. The folder must exist. Throws where gnuplot is missing or

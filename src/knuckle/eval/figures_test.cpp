@@ -114,6 +114,18 @@ TEST(Figures, AreNamedAsAFileMayBe) {
   }
 }
 
+TEST(Figures, EndTheirYAxisWhereTheyAreToldOrTheValuesDo) {
+  const TemporaryFolder folder;
+  Figure percent = small_figure({"a"});
+  percent.series[0].values = {3.0, 4.0, 4.0};
+  Figure millimetres = percent;
+  millimetres.name = "free";
+  millimetres.y_end = std::nullopt;
+  write_figures(std::vector{percent, millimetres}, folder.path());
+  EXPECT_THAT(read_text_file(folder / "small.svg"), HasSubstr("> 100<"));
+  EXPECT_THAT(read_text_file(folder / "free.svg"), AllOf(Not(HasSubstr("> 100<")), HasSubstr("> 4<")));
+}
+
 TEST(Figures, DrawABarGroupEachCategory) {
   const TemporaryFolder folder;
   Figure figure = small_figure({"a", "b"});
