@@ -89,8 +89,8 @@ HandAngles mixed_digits(const HandPoseOptions& options, Random& random) {
 /// On the way from a closed to an open hand; each digit runs a little ahead or behind.
 HandAngles closing_hand(const HandPoseOptions& options, Random& random) {
   constexpr double kLag = 0.12;
-  const HandAngles& closed_hand = any_of(allowed_of(kClosed, options), random);
-  const HandAngles& open_hand = any_of(allowed_of(kOpen, options), random);
+  const HandAngles closed_hand = any_of(allowed_of(kClosed, options), random);
+  const HandAngles open_hand = any_of(allowed_of(kOpen, options), random);
   const double t = random.uniform();
   std::array<HandAngles, 6> digits;
   for (HandAngles& digit : digits) {
