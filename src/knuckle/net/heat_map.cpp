@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -18,6 +19,7 @@ constexpr double kFarthestCentre = 1.0;  // from the largest cell [cells]
 constexpr int kMostShifts = 100;
 constexpr double kShiftEnd = 1e-4;  // [cells]
 constexpr int kBinRadius = 3;
+constexpr int kSurfaceRadius = 2;  // pixels whose median is the surface's depth
 
 struct Cell {
   int column;
@@ -122,18 +124,18 @@ float surface_depth(std::span<const float> patch, int size, double u, double v) 
   const auto pixel_of = [&](double at) {
     return static_cast<int>(std::lround(std::clamp(half * (at + 1.0), 0.0, 2.0 * half)));
   };
-  float nearest = kCubeBackground;
-  for_cells_around({pixel_of(u), pixel_of(v)}, 1, size,
-                   [&](int column, int row) { nearest = std::min(nearest, patch[row * size + column]); });
-  if (nearest < kCubeBackground) return nearest;
-  double sum = 0.0;
-  std::int64_t count = 0;
-  for (const float depth : patch) {
-    if (depth >= kCubeBackground) continue;
-    sum += depth;
-    ++count;
+  const Cell centre{pixel_of(u), pixel_of(v)};
+  std::vector<float> depths;
+  for (int radius = kSurfaceRadius; depths.empty() && radius < size; ++radius) {
+    for_cells_around(centre, radius, size, [&](int column, int row) {
+      const float depth = patch[row * size + column];
+      if (depth < kCubeBackground) depths.push_back(depth);
+    });
   }
-  return count == 0 ? 0.0f : static_cast<float>(sum / static_cast<double>(count));
+  if (depths.empty()) return 0.0f;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::ranges::nth_element(depths, middle);
+  return *middle;
 }
 
 }  // namespace knuckle

@@ -36,8 +36,9 @@ HeatMapPeak mean_shift_peak(std::span<const float> map, int cells, double bandwi
 /// looks equally far to both sides, at most 3 bins.
 double soft_arg_max(std::span<const float> bins);
 
-/// The depth of the surface that a cube patch shows at u, v: the nearest pixel of 3 x 3; where there is none,
-/// the mean of the hand; 0 where there is no hand. `patch`: size x size.
+/// The depth of the surface that a cube patch shows at u, v: the median of 5 x 5 pixels, without those that
+/// show no hand; of the smallest larger square that shows any where these do not; 0 where the patch shows
+/// none. `patch`: size x size.
 float surface_depth(std::span<const float> patch, int size, double u, double v);
 
 }  // namespace knuckle

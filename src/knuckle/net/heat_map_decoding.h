@@ -7,8 +7,8 @@
 
 namespace knuckle {
 
-/// The joints of an output of `heatmap2d` (the depth is looked up in the patch) or `heatmap25d`; the
-/// confidence of a joint is the height of its map's peak, cut to [0, 1].
+/// The joints of an output of `heatmap2d` (12 mm behind the surface that the patch shows there) or
+/// `heatmap25d`; the confidence of a joint is the height of its map's peak, cut to [0, 1].
 ///
 /// `output`: the cells of all joints' maps, then the bins of all joints. `patch`: size_px x size_px.
 NetworkPrediction decode_heat_maps(const NetworkOptions& options, std::span<const float> output,

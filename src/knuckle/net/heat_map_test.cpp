@@ -104,16 +104,18 @@ TEST(SoftArgMax, FindsAKnownGaussian) {
   EXPECT_EQ(soft_arg_max(std::vector<float>{-2.0f, -1.0f, -3.0f}), 1.0);
 }
 
-TEST(SurfaceDepth, IsThatOfTheNearestPixelThenOfTheHand) {
-  std::vector<float> patch(10 * 10, kCubeBackground);
-  EXPECT_EQ(surface_depth(patch, 10, 0.0, 0.0), 0.0f);
-  patch[2 * 10 + 3] = -0.4f;
-  patch[2 * 10 + 4] = 0.2f;
-  const auto at = [](int pixel) { return pixel / 4.5 - 1.0; };
-  EXPECT_FLOAT_EQ(surface_depth(patch, 10, at(4), at(3)), -0.4f);
-  EXPECT_FLOAT_EQ(surface_depth(patch, 10, at(5), at(1)), 0.2f);
-  EXPECT_FLOAT_EQ(surface_depth(patch, 10, at(8), at(8)), -0.1f) << "the mean";
-  EXPECT_FLOAT_EQ(surface_depth(patch, 10, 5.0, -7.0), -0.1f) << "outside of the patch";
+TEST(SurfaceDepth, IsTheMedianOfThePixelsAroundThatShowTheHand) {
+  std::vector<float> patch(20 * 20, kCubeBackground);
+  const auto at = [](int pixel) { return pixel / 9.5 - 1.0; };
+  EXPECT_EQ(surface_depth(patch, 20, 0.0, 0.0), 0.0f) << "no hand";
+  patch[2 * 20 + 3] = -0.4f;
+  patch[2 * 20 + 4] = 0.1f;
+  patch[3 * 20 + 4] = 0.2f;
+  EXPECT_FLOAT_EQ(surface_depth(patch, 20, at(4), at(3)), 0.1f) << "all three";
+  EXPECT_FLOAT_EQ(surface_depth(patch, 20, at(1), at(2)), -0.4f) << "only the first is near enough";
+  EXPECT_FLOAT_EQ(surface_depth(patch, 20, at(4), at(9)), 0.2f) << "none is: the nearest";
+  EXPECT_FLOAT_EQ(surface_depth(patch, 20, at(19), at(19)), 0.2f);
+  EXPECT_FLOAT_EQ(surface_depth(patch, 20, -7.0, 5.0), 0.2f) << "outside of the patch";
 }
 
 }  // namespace

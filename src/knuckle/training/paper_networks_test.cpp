@@ -210,7 +210,8 @@ TEST(HeatMapNetwork, LooksUpTheDepthWhereItPredictsNone) {
   torch::Tensor patches = torch::ones({1, 1, 32, 32});
   patches[0][0][16][16] = -0.25;
   const torch::Tensor found = network.decode(network.targets(joints), patches).joints;
-  EXPECT_TRUE(torch::allclose(found.select(2, 2), torch::full({1, kTestJoints}, -0.25)));
+  const double behind_skin = 12.0 / 125.0;
+  EXPECT_TRUE(torch::allclose(found.select(2, 2), torch::full({1, kTestJoints}, -0.25 + behind_skin)));
 }
 
 }  // namespace
