@@ -10,6 +10,8 @@ set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
 option(KNUCKLE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
 option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .ci/run: other compilers warn of other things
+# Half the time to build everything, but what is built again after a change is more; names must differ within a module.
+option(KNUCKLE_UNITY "Compile the sources of a module or program in groups" OFF)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(default_arch x86-64-v3)  # AVX2 and FMA: every x86 processor since 2013
 endif()

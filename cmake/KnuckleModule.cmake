@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 include(GoogleTest)
 
+# Compiles the target's sources in groups where KNUCKLE_UNITY is on.
+function(knuckle_group_sources target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KNUCKLE_UNITY} UNITY_BUILD_BATCH_SIZE 5)
+endfunction()
+
 # knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...])
 #
 # Makes the library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
@@ -11,6 +16,7 @@ function(knuckle_add_module name)
   add_library(knuckle_${name} STATIC ${module_SOURCES})
   target_include_directories(knuckle_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
   target_compile_features(knuckle_${name} PUBLIC cxx_std_20)
+  knuckle_group_sources(knuckle_${name})
   target_link_libraries(knuckle_${name} PUBLIC ${module_DEPENDS} ${module_PUBLIC}
                         PRIVATE ${module_PRIVATE} $<BUILD_INTERFACE:knuckle_warnings>)
   if(module_TESTS)

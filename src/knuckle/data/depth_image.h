@@ -11,6 +11,8 @@
 
 namespace knuckle {
 
+inline constexpr int kLargestImageSide = 65536;  ///< Width or height of an image in a file, at most [px]
+
 /// Depth in millimetres from stored whole numbers; 0 stays 0, no measurement.
 Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm);
 

@@ -12,11 +12,10 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/file_io.h"
+#include "knuckle/data/depth_image.h"
 
 namespace knuckle {
 namespace {
-
-constexpr int kLargestSide = 65536;
 
 /// The name of the channel that holds depth.
 std::string depth_channel(const Imf::ChannelList& channels, const std::string& file) {
@@ -40,7 +39,7 @@ Image<float> read_channel(const std::string& name) {
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
+  if (width < 1 || height < 1 || width > kLargestImageSide || height > kLargestImageSide)
     fail("{}: has an impossible size of {}x{} pixels", name, width, height);
   const std::string channel = depth_channel(file.header().channels(), name);
   Image<float> image(static_cast<int>(width), static_cast<int>(height));

@@ -5,12 +5,13 @@
 #include <array>
 #include <string_view>
 
+#include "knuckle/data/depth_image.h"
+
 namespace knuckle {
 namespace {
 
 constexpr std::array<std::string_view, 2> kModels{"projective", "orthographic"};
 constexpr std::array<std::string_view, 2> kOrigins{"centre", "corner"};
-constexpr int kLargestSide = 65536;
 constexpr std::size_t kDistortionCount = 8;
 
 Camera camera_from(const CameraOptions& options) {
@@ -58,8 +59,8 @@ Camera read_camera(const OptionTable& table) {
 
 void CameraOptions::visit(OptionVisitor& visitor) {
   visitor.choice("model", model, kModels);
-  visitor.integer("width", width, closed(1, kLargestSide));
-  visitor.integer("height", height, closed(1, kLargestSide));
+  visitor.integer("width", width, closed(1, kLargestImageSide));
+  visitor.integer("height", height, closed(1, kLargestImageSide));
   visitor.real("fx", fx, {});
   visitor.real("fy", fy, {});
   visitor.real("cx", cx, {});

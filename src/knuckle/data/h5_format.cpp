@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/data/depth_image.h"
 
 namespace knuckle {
 namespace {
@@ -16,9 +17,8 @@ constexpr std::int8_t kSideLeft = 1;
 constexpr std::int8_t kSideUnknown = -1;
 
 int size_attribute(const Hdf5File& file, std::string_view name) {
-  constexpr double kLargestSide = 65536;
   const double value = file.number_attribute(name);
-  if (!(value >= 1 && value <= kLargestSide) || value != std::floor(value))
+  if (!(value >= 1 && value <= kLargestImageSide) || value != std::floor(value))
     fail("{}: the attribute '{}' is {}, expected a number of pixels", file.path().string(), name, value);
   return static_cast<int>(value);
 }

@@ -9,8 +9,8 @@
 namespace knuckle {
 namespace {
 
-constexpr Camera kCamera{CameraModel::projective, 320, 240, 240.99, 240.96, 160.0, 120.0, {}};
-constexpr std::size_t kValuesAFrame = 48;
+constexpr Camera kIcvlCamera{CameraModel::projective, 320, 240, 240.99, 240.96, 160.0, 120.0, {}};
+constexpr std::size_t kValuesAIcvlFrame = 48;
 /// The camera's driver marks pixels without a sure depth by values from 32000 on, far beyond its range.
 constexpr std::uint16_t kFirstMark = 32000;
 
@@ -30,16 +30,16 @@ std::optional<HandPose> IcvlSource::truth_of(const LabelledImages::Entry& entry)
 }
 
 FrameLabel IcvlSource::read_label(std::int64_t index) const {
-  return {kCamera, truth_of(images_.read(index, kValuesAFrame))};
+  return {kIcvlCamera, truth_of(images_.read(index, kValuesAIcvlFrame))};
 }
 
 Frame IcvlSource::read(std::int64_t index) const {
-  const LabelledImages::Entry entry = images_.read(index, kValuesAFrame);
+  const LabelledImages::Entry entry = images_.read(index, kValuesAIcvlFrame);
   Frame frame;
   frame.name = without_extension(entry.name);
-  frame.camera = kCamera;
+  frame.camera = kIcvlCamera;
   Image<std::uint16_t> counts = read_png16(entry.path);
-  require_size(counts, kCamera.width, kCamera.height, entry.path);
+  require_size(counts, kIcvlCamera.width, kIcvlCamera.height, entry.path);
   for (std::uint16_t& count : counts.pixels())
     if (count >= kFirstMark) count = 0;
   frame.depth_mm = depth_from_counts(counts, 1.0);

@@ -23,9 +23,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the files are little-endian");
 
-constexpr Camera kCamera{CameraModel::projective, 320, 240, 241.42, 241.42, 160.0, 120.0, {}};
+constexpr Camera kMsra15Camera{CameraModel::projective, 320, 240, 241.42, 241.42, 160.0, 120.0, {}};
 constexpr std::string_view kSuffix = "_depth.bin";
-constexpr std::size_t kValuesAFrame = 63;
+constexpr std::size_t kValuesAMsra15Frame = 63;
 
 struct Header {
   std::int32_t width, height, left, top, right, bottom;
@@ -35,9 +35,9 @@ Header parse_header(const std::string& bytes, const fs::path& path) {
   Header header{};
   if (bytes.size() < sizeof(header)) fail("{}: is cut short, {} bytes", path.string(), bytes.size());
   std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.width != kCamera.width || header.height != kCamera.height) {
-    fail("{}: is {}x{} pixels, expected {}x{}", path.string(), header.width, header.height, kCamera.width,
-         kCamera.height);
+  if (header.width != kMsra15Camera.width || header.height != kMsra15Camera.height) {
+    fail("{}: is {}x{} pixels, expected {}x{}", path.string(), header.width, header.height,
+         kMsra15Camera.width, kMsra15Camera.height);
   }
   const bool is_box = header.left >= 0 && header.left <= header.right && header.right <= header.width &&
                       header.top >= 0 && header.top <= header.bottom && header.bottom <= header.height;
@@ -77,7 +77,7 @@ Image<float> read_msra15_depth(const fs::path& path) {
   return depth_mm;
 }
 
-Msra15Source::Msra15Source(fs::path folder) : folder_(std::move(folder)), projection_(kCamera) {
+Msra15Source::Msra15Source(fs::path folder) : folder_(std::move(folder)), projection_(kMsra15Camera) {
   for (const std::string& path : list_files_below(folder_, kSuffix)) add(path);
   if (entries_.empty()) fail("{}: holds no *{}", folder_.string(), kSuffix);
 }
@@ -105,7 +105,7 @@ std::optional<HandPose> Msra15Source::read_truth(const Gesture& gesture, const s
   const std::string number = name.substr(0, name.size() - kSuffix.size());
   const std::int64_t line = 1 + parse_integer(number, (folder_ / gesture.folder / name).string());
   std::vector<double> xyz =
-      parse_annotation(gesture.joints->line(line), kValuesAFrame, gesture.joints->where(line));
+      parse_annotation(gesture.joints->line(line), kValuesAMsra15Frame, gesture.joints->where(line));
   for (std::size_t i = 0; i < xyz.size(); i += 3) {  // y points up and z towards the camera there
     xyz[i + 1] = -xyz[i + 1];
     xyz[i + 2] = -xyz[i + 2];
@@ -115,7 +115,7 @@ std::optional<HandPose> Msra15Source::read_truth(const Gesture& gesture, const s
 
 FrameLabel Msra15Source::read_label(std::int64_t index) const {
   const Entry& entry = entries_.at(static_cast<std::size_t>(index));
-  return {kCamera, read_truth(gestures_[entry.gesture], entry.name)};
+  return {kMsra15Camera, read_truth(gestures_[entry.gesture], entry.name)};
 }
 
 Frame Msra15Source::read(std::int64_t index) const {
@@ -124,7 +124,7 @@ Frame Msra15Source::read(std::int64_t index) const {
   const fs::path path = folder_ / gesture.folder / entry.name;
   Frame frame;
   frame.name = gesture.folder + entry.name.substr(0, entry.name.size() - kSuffix.size());
-  frame.camera = kCamera;
+  frame.camera = kMsra15Camera;
   frame.depth_mm = read_msra15_depth(path);
   frame.truth = read_truth(gesture, entry.name);
   return frame;

@@ -15,7 +15,7 @@ namespace knuckle {
 namespace {
 
 /// The intrinsics that the set's own code uses. Its y axis points up; ours down, so fy is positive.
-constexpr Camera kCamera{CameraModel::projective, 640, 480, 588.036865, 587.075073, 320.0, 240.0, {}};
+constexpr Camera kNyuCamera{CameraModel::projective, 640, 480, 588.036865, 587.075073, 320.0, 240.0, {}};
 constexpr int kNoMeasurement = 2001;
 
 Image<float> decoded(const Image<Rgb>& pixels) {
@@ -53,7 +53,7 @@ std::optional<HandPose> NyuSource::read_truth(const std::string& name) const {
 }
 
 FrameLabel NyuSource::read_label(std::int64_t index) const {
-  return {kCamera, read_truth(names_.at(static_cast<std::size_t>(index)))};
+  return {kNyuCamera, read_truth(names_.at(static_cast<std::size_t>(index)))};
 }
 
 Frame NyuSource::read(std::int64_t index) const {
@@ -61,9 +61,9 @@ Frame NyuSource::read(std::int64_t index) const {
   const fs::path path = folder_ / name;
   Frame frame;
   frame.name = without_extension(name);
-  frame.camera = kCamera;
+  frame.camera = kNyuCamera;
   const Image<Rgb> pixels = read_png_rgb(path);
-  require_size(pixels, kCamera.width, kCamera.height, path);
+  require_size(pixels, kNyuCamera.width, kNyuCamera.height, path);
   frame.depth_mm = decoded(pixels);
   frame.truth = read_truth(name);
   return frame;

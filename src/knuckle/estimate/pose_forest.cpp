@@ -24,7 +24,6 @@ constexpr int kVersion = 1;
 constexpr std::string_view kKind = "pose";
 /// Spread of the trees at which the confidence falls to 1 / e, in patch coordinates.
 constexpr float kAgreementScale = 0.1F;
-constexpr int kCoordinates = 3;  // u, v, d
 
 /// Looks at every value, without a branch, so that the loop vectorises.
 bool all_finite(std::span<const float> values) {
@@ -41,7 +40,7 @@ void check(const PoseForestModel& model, const std::string& origin) {
          model.forest.feature_count(), size, size);
   }
   const std::size_t landmarks = model.convention.landmarks.size();
-  if (model.forest.target_count() != static_cast<int>(landmarks) * kCoordinates) {
+  if (model.forest.target_count() != static_cast<int>(landmarks) * kTargetsALandmark) {
     fail("{}: the forest predicts {} numbers, expected u v d of the {} landmarks of {}", origin,
          model.forest.target_count(), landmarks, model.convention.name);
   }
@@ -156,7 +155,7 @@ PatchPose PoseForestEstimator::estimate(const HandPatch& patch) const {
 
   const RegressionForest::Prediction prediction = model_.forest.predict(patch.pixels.pixels());
   PatchPose pose;
-  for (std::size_t i = 0; i < prediction.mean.size(); i += kCoordinates) {
+  for (std::size_t i = 0; i < prediction.mean.size(); i += kTargetsALandmark) {
     pose.joints.push_back({prediction.mean[i], prediction.mean[i + 1], prediction.mean[i + 2]});
     if (model_.forest.tree_count() > 1) {
       const float spread = std::hypot(prediction.deviation[i], prediction.deviation[i + 1]) / std::sqrt(2.0F);

@@ -12,8 +12,6 @@ namespace knuckle {
 
 namespace {
 
-constexpr int kCoordinates = 3;  // u, v, d
-
 bool is_missing(const PatchPoint& point) {
   return !(std::isfinite(point.u) && std::isfinite(point.v) && std::isfinite(point.d));
 }
@@ -24,7 +22,7 @@ PoseTrainingSet::PoseTrainingSet(std::int64_t count, const Convention& conventio
     : convention_(convention),
       statistics_(std::move(statistics)),
       samples_(count, statistics_.size_px * statistics_.size_px,
-               static_cast<int>(convention.landmarks.size()) * kCoordinates) {}
+               static_cast<int>(convention.landmarks.size()) * kTargetsALandmark) {}
 
 PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& patch,
                                            std::span<const PatchPoint> joints) {
@@ -38,7 +36,7 @@ PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& 
   }
   if (std::ranges::any_of(joints, is_missing)) return Kept::joint_missing;
   std::vector<float> targets;
-  targets.reserve(joints.size() * kCoordinates);
+  targets.reserve(joints.size() * kTargetsALandmark);
   for (const PatchPoint& joint : joints) {
     targets.push_back(static_cast<float>(joint.u));
     targets.push_back(static_cast<float>(joint.v));
@@ -50,7 +48,7 @@ PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& 
 
 void check_training_memory(std::int64_t count, const Convention& convention, int patch_size_px,
                            const PoseForestTrainingOptions& options) {
-  const int targets = static_cast<int>(convention.landmarks.size()) * kCoordinates;
+  const int targets = static_cast<int>(convention.landmarks.size()) * kTargetsALandmark;
   check_training_memory(count, patch_size_px * patch_size_px, targets, options.forest);
 }
 
