@@ -2,13 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
-#include "knuckle/camera/projection.h"
 #include "knuckle/core/options.h"
-#include "knuckle/data/frame_source.h"
-#include "knuckle/data/labelled_images.h"
+#include "knuckle/data/labelled_image_source.h"
 
 namespace knuckle {
 
@@ -22,20 +19,9 @@ struct Hands17Options {
 /// The HANDS 2017 challenge set, from BigHand2.2M (Yuan et al. 2017), 640x480: 16-bit PNG in mm, in the
 /// folder or its `images/`; an annotation file with a line a frame, the image's name and 21 x (x, y, z) mm, y
 /// down. Without that file frames have no truth.
-class Hands17Source final : public FrameSource {
+class Hands17Source final : public LabelledImageSource {
  public:
   Hands17Source(const std::filesystem::path& folder, const Hands17Options& options);
-
-  std::int64_t size() const override { return images_.size(); }
-  Frame read(std::int64_t index) const override;
-  FrameLabel read_label(std::int64_t index) const override;
-  std::optional<Convention> convention() const override;
-
- private:
-  std::optional<HandPose> truth_of(const LabelledImages::Entry& entry) const;
-
-  LabelledImages images_;
-  Projection projection_;
 };
 
 }  // namespace knuckle

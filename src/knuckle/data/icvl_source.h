@@ -2,12 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "knuckle/core/options.h"
-#include "knuckle/data/frame_source.h"
-#include "knuckle/data/labelled_images.h"
+#include "knuckle/data/labelled_image_source.h"
 
 namespace knuckle {
 
@@ -21,19 +19,9 @@ struct IcvlOptions {
 /// The ICVL hand posture set (Tang et al. 2014), 320x240: 16-bit PNG in mm below `Depth/` (or the folder
 /// itself) and a label file with a line a frame, the image's relative path and 16 x (u, v, d). Without that
 /// file frames have no truth. Its intrinsics are those of the published evaluations.
-class IcvlSource final : public FrameSource {
+class IcvlSource final : public LabelledImageSource {
  public:
   IcvlSource(const std::filesystem::path& folder, const IcvlOptions& options);
-
-  std::int64_t size() const override { return images_.size(); }
-  Frame read(std::int64_t index) const override;
-  FrameLabel read_label(std::int64_t index) const override;
-  std::optional<Convention> convention() const override;
-
- private:
-  std::optional<HandPose> truth_of(const LabelledImages::Entry& entry) const;
-
-  LabelledImages images_;
 };
 
 }  // namespace knuckle

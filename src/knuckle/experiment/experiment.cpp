@@ -164,7 +164,9 @@ class Experiment {
     inputs.add("title", plan_.title).add("convention", plan_.convention.name).add("claims", plan_.claims);
     inputs.add("scale", fmt::format("{}", options_.scale));
     for (const PlannedModel& model : plan_.models) {
-      inputs.add_content(model.file, ExperimentFolder::training_record(folder_.model(model)));
+      const std::filesystem::path file = folder_.model(model);
+      inputs.add_content(model.file, ExperimentFolder::training_record(file));
+      inputs.add_content_if_there(model.file + " metrics", ExperimentFolder::metrics(file));
     }
     std::vector<std::string> sources;
     for (const PlannedSequence& sequence : plan_.sequences) {
