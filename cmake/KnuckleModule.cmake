@@ -21,6 +21,7 @@ function(knuckle_add_module name)
                         PRIVATE ${module_PRIVATE} $<BUILD_INTERFACE:knuckle_warnings>)
   if(module_TESTS)
     add_executable(knuckle_${name}_test ${module_TESTS})
+    knuckle_group_sources(knuckle_${name}_test)
     target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${name} knuckle_test_main knuckle_warnings)
     gtest_discover_tests(knuckle_${name}_test TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
                          WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})

@@ -33,7 +33,7 @@ void put_set(const fs::path& folder, std::string_view description = kDescription
     write_png(folder / "depth" / name, Image<std::uint16_t>(24, 18, 500));
 }
 
-std::string error_of_set(const fs::path& folder, int frame = -1) {
+std::string error_of_folder_set(const fs::path& folder, int frame = -1) {
   return error_of([&] {
     const FolderSource source(folder);
     if (frame >= 0) source.read(frame);
@@ -154,13 +154,13 @@ TEST(Folder, ReadsInfraredOfEightBitsAndAnyMaskThatIsNotZero) {
 
 TEST(Folder, NamesWhatIsMissing) {
   const testing::TemporaryFolder folder;
-  EXPECT_THAT(error_of_set(folder / "none"), AllOf(HasSubstr("none"), HasSubstr("no such folder")));
-  EXPECT_THAT(error_of_set(folder.path()), HasSubstr("dataset.toml"));
+  EXPECT_THAT(error_of_folder_set(folder / "none"), AllOf(HasSubstr("none"), HasSubstr("no such folder")));
+  EXPECT_THAT(error_of_folder_set(folder.path()), HasSubstr("dataset.toml"));
   put_set(folder.path());
   fs::remove_all(folder / "depth");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("depth"), HasSubstr("no such folder")));
+  EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("depth"), HasSubstr("no such folder")));
   make_folder(folder / "depth");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("depth"), HasSubstr("no .png")));
+  EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("depth"), HasSubstr("no .png")));
 }
 
 TEST(Folder, RefusesADescriptionWithFaults) {
@@ -168,7 +168,7 @@ TEST(Folder, RefusesADescriptionWithFaults) {
   const std::string good(kDescription);
   const auto error_with = [&](const std::string& description) {
     put_set(folder.path(), description);
-    return error_of_set(folder.path());
+    return error_of_folder_set(folder.path());
   };
   EXPECT_THAT(error_with("colour = 1\n" + good), AllOf(HasSubstr("dataset.toml"), HasSubstr("colour")));
   EXPECT_THAT(error_with(good + "zoom = 2\n"), AllOf(HasSubstr("dataset.toml"), HasSubstr("zoom")));
@@ -191,17 +191,18 @@ TEST(Folder, RefusesJointsThatDoNotFit) {
   put_set(folder.path());
   const std::string line = testing::numbers_text(60, 1.0);
   put_file(folder / "joints.txt", line + "\n");
-  EXPECT_THAT(error_of_set(folder.path()),
+  EXPECT_THAT(error_of_folder_set(folder.path()),
               AllOf(HasSubstr("joints.txt"), HasSubstr("1 lines"), HasSubstr("2 depth")));
   put_file(folder / "joints.txt", line + "\n" + line + "\n" + line + "\n");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("joints.txt"), HasSubstr("3 lines")));
+  EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("joints.txt"), HasSubstr("3 lines")));
   put_file(folder / "joints.txt", line + "\n1 2 3\n");
-  EXPECT_THAT(error_of_set(folder.path(), 1),
+  EXPECT_THAT(error_of_folder_set(folder.path(), 1),
               AllOf(HasSubstr("joints.txt, entry 2"), HasSubstr("expected 60")));
   put_file(folder / "joints.txt", line + "\n" + line + "x\n");
-  EXPECT_THAT(error_of_set(folder.path(), 1), AllOf(HasSubstr("joints.txt, entry 2"), HasSubstr("'60x'")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 1),
+              AllOf(HasSubstr("joints.txt, entry 2"), HasSubstr("'60x'")));
   put_set(folder.path(), kDescription.substr(kDescription.find('[')));
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("dataset.toml"), HasSubstr("convention")));
+  EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("dataset.toml"), HasSubstr("convention")));
 }
 
 TEST(Folder, RefusesImagesOfTheWrongKindSizeOrLength) {
@@ -209,18 +210,18 @@ TEST(Folder, RefusesImagesOfTheWrongKindSizeOrLength) {
   put_set(folder.path());
   const fs::path image = folder / "depth" / "a.png";
   write_png(image, Image<std::uint16_t>(25, 18, 500));
-  EXPECT_THAT(error_of_set(folder.path(), 0),
+  EXPECT_THAT(error_of_folder_set(folder.path(), 0),
               AllOf(HasSubstr("a.png"), HasSubstr("25x18"), HasSubstr("24x18")));
   write_png(image, Image<std::uint8_t>(24, 18, 50));
-  EXPECT_THAT(error_of_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("16 bits")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("16 bits")));
   put_file(image, "no png at all");
-  EXPECT_THAT(error_of_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("PNG")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("PNG")));
   write_png(image, Image<std::uint16_t>(24, 18, 500));
   testing::cut_file(image, fs::file_size(image) / 2);
-  EXPECT_THAT(error_of_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("cut short")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 0), AllOf(HasSubstr("a.png"), HasSubstr("cut short")));
   make_folder(folder / "mask");
   write_png(folder / "mask" / "b.png", Image<std::uint8_t>(18, 24, 1));
-  EXPECT_THAT(error_of_set(folder.path(), 1), AllOf(HasSubstr("mask/b.png"), HasSubstr("18x24")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 1), AllOf(HasSubstr("mask/b.png"), HasSubstr("18x24")));
 }
 
 TEST(Folder, ReadsTheRealSequenceWithItsTruth) {

@@ -31,7 +31,7 @@ FrameWriterOptions options_for(std::int64_t first, std::int64_t count,
   return options;
 }
 
-Frame frame_number(std::int64_t index) {
+Frame noisy_frame(std::int64_t index) {
   Frame frame = noise_frame(small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
   if (index % 3 != 0) frame.side = index % 3 == 1 ? HandSide::left : HandSide::right;
   return frame;
@@ -39,7 +39,7 @@ Frame frame_number(std::int64_t index) {
 
 void write_set(const fs::path& path, std::int64_t first, std::int64_t count) {
   H5Writer writer(path, options_for(first, count));
-  parallel_for(count, [&](std::int64_t i) { writer.write(first + i, frame_number(first + i)); });
+  parallel_for(count, [&](std::int64_t i) { writer.write(first + i, noisy_frame(first + i)); });
   writer.finish();
 }
 
@@ -47,7 +47,7 @@ void expect_frames(const fs::path& path, std::int64_t first, std::int64_t count)
   const H5Source source(path);
   ASSERT_EQ(source.size(), count);
   parallel_for(count, [&](std::int64_t i) {
-    const Frame expected = frame_number(first + i);
+    const Frame expected = noisy_frame(first + i);
     const Frame actual = source.read(i);
     EXPECT_EQ(actual.name, fmt::format("{:08}", first + i));
     EXPECT_EQ(actual.camera, expected.camera);
@@ -59,7 +59,7 @@ void expect_frames(const fs::path& path, std::int64_t first, std::int64_t count)
   });
 }
 
-std::string error_of_set(const fs::path& path) {
+std::string error_of_h5_set(const fs::path& path) {
   return error_of([&] { H5Source(path).read(0); });
 }
 
@@ -88,7 +88,7 @@ TEST(H5, HoldsALongManifest) {
   const testing::TemporaryFolder folder;
   const std::string manifest(300000, 'm');
   H5Writer writer(folder / "a.h5", options_for(0, 1, manifest));
-  writer.write(0, frame_number(0));
+  writer.write(0, noisy_frame(0));
   writer.finish();
   EXPECT_EQ(Hdf5File::open(folder / "a.h5").text_attribute("manifest"), manifest);
 }
@@ -98,7 +98,7 @@ TEST(H5, KeepsEachFramesFocalLengthAndPrincipalPoint) {
   H5Writer writer(folder / "a.h5", options_for(0, 3));
   std::vector<Frame> frames;
   for (std::int64_t i = 0; i < 3; ++i) {
-    frames.push_back(frame_number(i));
+    frames.push_back(noisy_frame(i));
     frames.back().camera.fx += static_cast<double>(i);
     frames.back().camera.cy -= 0.25 * static_cast<double>(i);
     writer.write(i, frames.back());
@@ -119,11 +119,11 @@ TEST(H5, HasTheSameBytesWhateverThreadsAndInterruptions) {
   write_set(folder / "a.h5", 5, 30);
   {
     H5Writer backwards(folder / "b.h5", options_for(5, 30));
-    for (std::int64_t i = 34; i > 20; --i) backwards.write(i, frame_number(i));
+    for (std::int64_t i = 34; i > 20; --i) backwards.write(i, noisy_frame(i));
   }
   H5Writer rest(folder / "b.h5", options_for(5, 30));
   for (std::int64_t i = 5; i < 35; ++i)
-    if (!rest.has(i)) rest.write(i, frame_number(i));
+    if (!rest.has(i)) rest.write(i, noisy_frame(i));
   rest.finish();
   EXPECT_TRUE(read_text_file(folder / "a.h5") == read_text_file(folder / "b.h5"));
   EXPECT_FALSE(fs::exists(folder / "b.h5.partial"));
@@ -149,13 +149,13 @@ TEST(H5, AnInterruptedRunGoesOn) {
   const fs::path path = folder / "a.h5";
   {
     H5Writer writer(path, options_for(10, 6));
-    for (const int i : {12, 10, 15}) writer.write(i, frame_number(i));
+    for (const int i : {12, 10, 15}) writer.write(i, noisy_frame(i));
   }
   EXPECT_FALSE(fs::exists(path));
   H5Writer writer(path, options_for(10, 6));
   for (std::int64_t i = 10; i < 16; ++i) {
     EXPECT_EQ(writer.has(i), i == 10 || i == 12 || i == 15) << i;
-    if (!writer.has(i)) writer.write(i, frame_number(i));
+    if (!writer.has(i)) writer.write(i, noisy_frame(i));
   }
   writer.finish();
   expect_frames(path, 10, 6);
@@ -169,18 +169,18 @@ TEST(H5, AKilledRunGoesOn) {
   EXPECT_EXIT(
       {
         H5Writer writer(path, options_for(0, kCount));
-        for (std::int64_t i = 0; i < 600; ++i) writer.write(i, frame_number(i));
+        for (std::int64_t i = 0; i < 600; ++i) writer.write(i, noisy_frame(i));
         std::_Exit(7);
       },
       ::testing::ExitedWithCode(7), "");
-  EXPECT_THAT(error_of_set(folder / "a.h5.partial"), HasSubstr("a.h5.partial"));
+  EXPECT_THAT(error_of_h5_set(folder / "a.h5.partial"), HasSubstr("a.h5.partial"));
   H5Writer writer(path, options_for(0, kCount));
   std::int64_t kept = 0;
   for (std::int64_t i = 0; i < kCount; ++i) {
     if (writer.has(i)) {
       ++kept;
     } else {
-      writer.write(i, frame_number(i));
+      writer.write(i, noisy_frame(i));
     }
   }
   EXPECT_EQ(kept, 600);
@@ -194,13 +194,13 @@ TEST(H5, ADamagedRemainderIsBegunAnew) {
   for (const int cut : {0, 1, 50, 2000, 20000}) {
     {
       H5Writer writer(path, options_for(0, 20));
-      for (std::int64_t i = 0; i < 19; ++i) writer.write(i, frame_number(i));
+      for (std::int64_t i = 0; i < 19; ++i) writer.write(i, noisy_frame(i));
     }
     fs::remove(path);
     testing::cut_file(folder / "a.h5.partial", static_cast<std::uintmax_t>(cut));
     H5Writer writer(path, options_for(0, 20));
     for (std::int64_t i = 0; i < 20; ++i)
-      if (!writer.has(i)) writer.write(i, frame_number(i));
+      if (!writer.has(i)) writer.write(i, noisy_frame(i));
     writer.finish();
     expect_frames(path, 0, 20);
   }
@@ -209,7 +209,7 @@ TEST(H5, ADamagedRemainderIsBegunAnew) {
 TEST(H5, ARemainderOfAnotherRunIsNotTouched) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
-  { H5Writer(path, options_for(0, 4)).write(1, frame_number(1)); }
+  { H5Writer(path, options_for(0, 4)).write(1, noisy_frame(1)); }
   EXPECT_THAT(error_of([&] { H5Writer(path, options_for(0, 4, "a = 2")); }),
               AllOf(HasSubstr("a.h5.partial"), HasSubstr("another manifest")));
   EXPECT_THAT(error_of([&] { H5Writer(path, options_for(0, 5)); }), HasSubstr("other frames"));
@@ -219,8 +219,8 @@ TEST(H5, ARemainderOfAnotherRunIsNotTouched) {
 
 TEST(H5, AnUnfinishedSetIsNoSource) {
   const testing::TemporaryFolder folder;
-  { H5Writer(folder / "a.h5", options_for(0, 4)).write(1, frame_number(1)); }
-  EXPECT_THAT(error_of_set(folder / "a.h5.partial"),
+  { H5Writer(folder / "a.h5", options_for(0, 4)).write(1, noisy_frame(1)); }
+  EXPECT_THAT(error_of_h5_set(folder / "a.h5.partial"),
               AllOf(HasSubstr("a.h5.partial"), HasSubstr("unfinished")));
   H5Writer writer(folder / "a.h5", options_for(0, 4));
   EXPECT_THAT(error_of([&] { writer.finish(); }), AllOf(HasSubstr("a.h5"), HasSubstr("3 of 4 frames")));
@@ -230,11 +230,11 @@ TEST(H5, AnUnfinishedSetIsNoSource) {
 TEST(H5, NamesFileAndFault) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
-  EXPECT_THAT(error_of_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("missing")));
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("missing")));
   put_file(path, "this is no HDF5 file");
-  EXPECT_THAT(error_of_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("HDF5")));
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("HDF5")));
   Hdf5File::create(path).close();
-  EXPECT_THAT(error_of_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("format")));
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("format")));
 }
 
 TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
@@ -246,7 +246,7 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
     Hdf5File file = Hdf5File::open_for_writing(path);
     spoil(file);
     file.close();
-    return error_of_set(path);
+    return error_of_h5_set(path);
   };
   EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("version", 3); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("version 3")));
@@ -301,7 +301,7 @@ TEST(H5, RefusesEachArrayOfAnotherShape) {
   EXPECT_EQ(H5Source(path).read(1).camera.fx, 30.0);
   for (const std::string_view array : {kH5Infrared, kH5Mask, kH5Joints, kH5Intrinsics}) {
     write_with_wrong(array);
-    EXPECT_THAT(error_of_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3 x ", array)));
+    EXPECT_THAT(error_of_h5_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3 x ", array)));
   }
 }
 
@@ -312,7 +312,7 @@ TEST(H5, RefusesAFileCutShortAnywhere) {
   const auto bytes = fs::file_size(path);
   for (std::uintmax_t cut = bytes - 1; cut > 0; cut -= std::min(cut, bytes / 25 + 1)) {
     testing::cut_file(path, cut);
-    EXPECT_THAT(error_of_set(path), HasSubstr("a.h5")) << cut << " of " << bytes;
+    EXPECT_THAT(error_of_h5_set(path), HasSubstr("a.h5")) << cut << " of " << bytes;
   }
 }
 

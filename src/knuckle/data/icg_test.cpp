@@ -22,7 +22,7 @@ using testing::numbers_text;
 using testing::put_file;
 using testing::small_camera;
 
-std::string error_of_set(const fs::path& folder, const IcgOptions& options = {}) {
+std::string error_of_icg_set(const fs::path& folder, const IcgOptions& options = {}) {
   return error_of([&] { IcgSource(folder, options).read(0); });
 }
 
@@ -122,7 +122,7 @@ TEST(Icg, PrefersVerifiedLabels) {
   put_file(folder / "s1/0007_123_anno_zoe.txt", numbers_text(60, 30.5, '\n'));
   EXPECT_EQ(first_u(), 30.0);
   EXPECT_EQ(first_u({"init", 1000, 250}), 10.0);
-  EXPECT_THAT(error_of_set(folder.path(), {"max", 1000, 250}),
+  EXPECT_THAT(error_of_icg_set(folder.path(), {"max", 1000, 250}),
               AllOf(HasSubstr("'max'"), HasSubstr("extrapolated, init, zoe")));
 }
 
@@ -144,19 +144,20 @@ TEST(Icg, TheHandIsRed) {
 
 TEST(Icg, NamesFileAndFault) {
   const testing::TemporaryFolder folder;
-  EXPECT_THAT(error_of_set(folder / "none"), AllOf(HasSubstr("none"), HasSubstr("no such folder")));
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr(folder.path().string()), HasSubstr("_depth.csv")));
+  EXPECT_THAT(error_of_icg_set(folder / "none"), AllOf(HasSubstr("none"), HasSubstr("no such folder")));
+  EXPECT_THAT(error_of_icg_set(folder.path()),
+              AllOf(HasSubstr(folder.path().string()), HasSubstr("_depth.csv")));
   put_recorded(folder.path());
   put_file(folder / "s1/0007_123_anno_me.txt", numbers_text(59, 1));
-  EXPECT_THAT(error_of_set(folder.path()),
+  EXPECT_THAT(error_of_icg_set(folder.path()),
               AllOf(HasSubstr("_anno_me.txt"), HasSubstr("59 numbers, expected 60")));
   put_file(folder / "s1/0007_123_anno_me.txt", numbers_text(59, 1) + " many");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("_anno_me.txt"), HasSubstr("'many'")));
+  EXPECT_THAT(error_of_icg_set(folder.path()), AllOf(HasSubstr("_anno_me.txt"), HasSubstr("'many'")));
   put_file(folder / "s1/0007_123_infrared.csv", "1,2,3\n4,5,6\n");
-  EXPECT_THAT(error_of_set(folder.path()),
+  EXPECT_THAT(error_of_icg_set(folder.path()),
               AllOf(HasSubstr("_infrared.csv"), HasSubstr("3x2"), HasSubstr("4x2")));
   put_file(folder / "s1/0007_123_depth.csv", "100,200,300,-1\n400,10");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("_depth.csv:2"), HasSubstr("expected 4")));
+  EXPECT_THAT(error_of_icg_set(folder.path()), AllOf(HasSubstr("_depth.csv:2"), HasSubstr("expected 4")));
 }
 
 TEST(Icg, NamesAMissingOrBrokenCalibration) {
@@ -164,13 +165,15 @@ TEST(Icg, NamesAMissingOrBrokenCalibration) {
   put_recorded(folder.path());
   const fs::path calibration = folder / "calibration_depth.txt";
   put_file(calibration, "224 224\n160\n");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("3 numbers")));
+  EXPECT_THAT(error_of_icg_set(folder.path()),
+              AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("3 numbers")));
   put_file(calibration, "224 224\n160 wide\n");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("'wide'")));
+  EXPECT_THAT(error_of_icg_set(folder.path()),
+              AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("'wide'")));
   put_file(calibration, "0 224\n160 120\n");
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("fx")));
+  EXPECT_THAT(error_of_icg_set(folder.path()), AllOf(HasSubstr("calibration_depth.txt"), HasSubstr("fx")));
   fs::remove(calibration);
-  EXPECT_THAT(error_of_set(folder.path()), AllOf(HasSubstr("s1"), HasSubstr("calibration_depth.txt")));
+  EXPECT_THAT(error_of_icg_set(folder.path()), AllOf(HasSubstr("s1"), HasSubstr("calibration_depth.txt")));
 }
 
 TEST(Icg, RefusesCamerasThatItsCalibrationCannotExpress) {

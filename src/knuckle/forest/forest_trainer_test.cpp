@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::RandomRows;
 using testing::TemporaryFolder;
 
-RegressionForestOptions small_options() {
+RegressionForestOptions small_regression_options() {
   RegressionForestOptions options;
   options.trees = 3;
   options.tree.splits_per_node = 40;
@@ -49,7 +49,7 @@ TEST(TrainRegressionForest, MemorisesATinySetExactly) {
 
 TEST(TrainRegressionForest, LeavesAreMeansOfAllSamplesThatReachThem) {
   const RandomRows rows(500, 20, 3);
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   options.trees = 1;
   options.tree.max_depth = 3;
   options.leaf_bits = 32;
@@ -86,7 +86,7 @@ TEST(TrainRegressionForest, LearnsADifferenceOfFeatures) {
 
 TEST(TrainRegressionForest, DoesNotDependOnTheOrderOfSamples) {
   const RandomRows rows(400, 25, 20);  // more samples than a node scores, more targets than are scored
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   options.tree.bagging_fraction = 0.7;
   std::vector<std::int64_t> place(400);
   std::iota(place.begin(), place.end(), 0);
@@ -98,7 +98,7 @@ TEST(TrainRegressionForest, DoesNotDependOnTheOrderOfSamples) {
 
 TEST(TrainRegressionForest, DoesNotDependOnThreads) {
   const TrainingSamples samples = RandomRows(4000, 25, 20).samples();
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   options.tree.samples_per_node =
       2000;  // nodes above and below the size that shares candidates among threads
   set_thread_count(1);
@@ -111,7 +111,7 @@ TEST(TrainRegressionForest, DoesNotDependOnThreads) {
 
 TEST(TrainRegressionForest, SeedsAndTreesDiffer) {
   const TrainingSamples samples = RandomRows(300, 25, 3).samples();
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   const RegressionForest forest = train_regression_forest(samples, options);
   const auto& nodes = forest.parts().trees.nodes;
   EXPECT_NE(nodes[0].threshold, nodes[forest.parts().trees.roots[1]].threshold);
@@ -122,14 +122,14 @@ TEST(TrainRegressionForest, SeedsAndTreesDiffer) {
 TEST(TrainRegressionForest, ConstantTargetsGiveOneLeaf) {
   RandomRows rows(100, 10, 2);
   for (auto& target : rows.targets) target = {0.1F, -7.0F};
-  const RegressionForest forest = train_regression_forest(rows.samples(), small_options());
+  const RegressionForest forest = train_regression_forest(rows.samples(), small_regression_options());
   EXPECT_EQ(forest.parts().trees.nodes.size(), 3U);
   EXPECT_EQ(forest.predict(rows.features[0]).mean, rows.targets[0]);
 }
 
 TEST(TrainRegressionForest, KeepsDepthAndLeafSizes) {
   const RandomRows rows(300, 10, 2);
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   options.trees = 1;
   options.tree.samples_per_node = 5000;
   options.tree.min_leaf_samples = 20;
@@ -142,7 +142,7 @@ TEST(TrainRegressionForest, KeepsDepthAndLeafSizes) {
 }
 
 TEST(TrainRegressionForest, RefusesNoSamplesAndBadOptions) {
-  RegressionForestOptions options = small_options();
+  RegressionForestOptions options = small_regression_options();
   EXPECT_THAT(error_of([&] { train_regression_forest(TrainingSamples(5, 3, 2), options); }),
               HasSubstr("no samples"));
   options.leaf_bits = 9;
@@ -170,7 +170,7 @@ TEST(TrainRegressionForest, RefusesTooSmallAMemory) {
 TEST(TrainRegressionForest, GoesOnFromACheckpoint) {
   const TemporaryFolder folder;
   const TrainingSamples samples = RandomRows(300, 25, 3).samples();
-  const RegressionForestOptions options = small_options();
+  const RegressionForestOptions options = small_regression_options();
   const RegressionForest whole = train_regression_forest(samples, options);
   int trees_done = 0;
   const auto stop_at_second = [&](int trees) {
@@ -196,7 +196,8 @@ TEST(TrainRegressionForest, RefusesAForeignCheckpoint) {
   std::ofstream(folder / "c.h5") << "no checkpoint";
   const TrainingRun run{.checkpoint = folder / "c.h5"};
   const TrainingSamples samples = RandomRows(10, 3, 2).samples();
-  EXPECT_THAT(error_of([&] { train_regression_forest(samples, small_options(), run); }), HasSubstr("c.h5"));
+  EXPECT_THAT(error_of([&] { train_regression_forest(samples, small_regression_options(), run); }),
+              HasSubstr("c.h5"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using testing::samples_of;
 using testing::TemporaryFolder;
 
-PixelForest small_forest() {
+PixelForest small_pixel_forest() {
   PixelForestOptions options;
   options.trees = 3;
   options.tree.splits_per_node = 50;
@@ -54,7 +54,7 @@ void expect_recursive_walk(const PixelForest& forest, const Image<float>& depth_
 }
 
 TEST(PixelForest, FlatWalkIsTheRecursiveWalkBitForBit) {
-  const PixelForest forest = small_forest();
+  const PixelForest forest = small_pixel_forest();
   for (std::uint64_t seed = 50; seed < 54; ++seed) {
     BallScene scene(seed, 90, 70);
     expect_recursive_walk(forest, scene.depth_mm, scene.camera);
@@ -69,7 +69,7 @@ TEST(PixelForest, FlatWalkIsTheRecursiveWalkBitForBit) {
 }
 
 TEST(PixelForest, DecidesEarlyButNotOtherwise) {
-  const PixelForest forest = small_forest();
+  const PixelForest forest = small_pixel_forest();
   const BallScene scene(60, 160, 120);
   const Image<float> probability = forest.probability(scene.depth_mm, scene.camera);
   // The values that occur, and one above all.
@@ -82,7 +82,7 @@ TEST(PixelForest, DecidesEarlyButNotOtherwise) {
 }
 
 TEST(PixelForest, DoesNotDependOnThreads) {
-  const PixelForest forest = small_forest();
+  const PixelForest forest = small_pixel_forest();
   const BallScene scene(70, 160, 120);
   set_thread_count(1);
   const Image<float> one = forest.probability(scene.depth_mm, scene.camera);
@@ -91,7 +91,7 @@ TEST(PixelForest, DoesNotDependOnThreads) {
 }
 
 TEST(PixelForest, TakesImagesWithoutMeasurement) {
-  const PixelForest forest = small_forest();
+  const PixelForest forest = small_pixel_forest();
   EXPECT_TRUE(forest.probability({}, {}).empty());
   const Camera camera{.width = 5, .height = 4, .fx = 10.0, .fy = 10.0};
   EXPECT_EQ(forest.probability(Image<float>(5, 4), camera), Image<float>(5, 4));
@@ -101,7 +101,7 @@ TEST(PixelForest, TakesImagesWithoutMeasurement) {
 
 TEST(PixelForest, SavedAndLoadedAnswersTheSame) {
   const TemporaryFolder folder;
-  const PixelForest forest = small_forest();
+  const PixelForest forest = small_pixel_forest();
   Hdf5File file = Hdf5File::create(folder / "forest.h5");
   write_forest(file, forest);
   file.close();
@@ -113,7 +113,7 @@ TEST(PixelForest, SavedAndLoadedAnswersTheSame) {
 }
 
 TEST(PixelForest, RefusesNodesThatLeadNowhereAndWideOffsets) {
-  const PixelForest::Parts good = small_forest().parts();
+  const PixelForest::Parts good = small_pixel_forest().parts();
   const auto fault_of = [&](const std::function<void(PixelForest::Parts&)>& damage) {
     PixelForest::Parts parts = good;
     damage(parts);
@@ -131,7 +131,7 @@ TEST(PixelForest, RefusesFilesOfWhichAPartIsWrong) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "bad.h5";
   Hdf5File file = Hdf5File::create(path);
-  write_forest(file, small_forest());
+  write_forest(file, small_pixel_forest());
   file.set_attribute("far_depth_mm", 5000.0);
   file.close();
   EXPECT_THAT(error_of([&] { (void)read_pixel_forest(Hdf5File::open(path)); }),

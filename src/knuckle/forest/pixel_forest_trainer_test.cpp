@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using testing::samples_of;
 using testing::TemporaryFolder;
 
-PixelForestOptions small_options() {
+PixelForestOptions small_pixel_options() {
   PixelForestOptions options;
   options.trees = 3;
   options.tree.splits_per_node = 40;
@@ -51,7 +51,7 @@ TEST(TrainPixelForest, MemorisesATinySetExactly) {
 }
 
 TEST(TrainPixelForest, FindsBallsItHasNotSeen) {
-  const PixelForest forest = train_pixel_forest(samples_of(ball_scenes(60)), small_options());
+  const PixelForest forest = train_pixel_forest(samples_of(ball_scenes(60)), small_pixel_options());
   int right = 0;
   int all = 0;
   for (std::uint64_t seed = 100; seed < 110; ++seed) {
@@ -67,7 +67,7 @@ TEST(TrainPixelForest, FindsBallsItHasNotSeen) {
 
 TEST(TrainPixelForest, LeavesHoldThePartOfClassOne) {
   const std::vector<BallScene> scenes = ball_scenes(1);
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   options.trees = 1;
   options.tree.max_depth = 0;
   PixelSamples samples(1);
@@ -78,7 +78,7 @@ TEST(TrainPixelForest, LeavesHoldThePartOfClassOne) {
 
 TEST(TrainPixelForest, DoesNotDependOnTheOrderOfImages) {
   const std::vector<BallScene> scenes = ball_scenes(20);
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   options.tree.bagging_fraction = 0.7;
   const PixelForest forest = train_pixel_forest(samples_of(scenes), options);
   std::vector<std::int64_t> place(20);
@@ -92,7 +92,7 @@ TEST(TrainPixelForest, DoesNotDependOnTheOrderOfImages) {
 
 TEST(TrainPixelForest, DoesNotDependOnThreads) {
   const PixelSamples samples = samples_of(ball_scenes(60));
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   options.tree.samples_per_node = 2000;  // nodes above and below the size that shares candidates
   set_thread_count(1);
   const PixelForest one = train_pixel_forest(samples, options);
@@ -105,7 +105,7 @@ TEST(TrainPixelForest, DoesNotDependOnThreads) {
 TEST(TrainPixelForest, GoesOnFromWhereverItWasStopped) {
   const TemporaryFolder folder;
   const PixelSamples samples = samples_of(ball_scenes(20));
-  const PixelForestOptions options = small_options();
+  const PixelForestOptions options = small_pixel_options();
   std::vector<std::size_t> nodes_at_call;
   const TrainingRun watched{.nodes_done = [&](std::size_t nodes) { nodes_at_call.push_back(nodes); }};
   const PixelForest whole = train_pixel_forest(samples, options, watched);
@@ -132,7 +132,7 @@ TEST(TrainPixelForest, GoesOnFromWhereverItWasStopped) {
 /// The same with a process that is killed, at whatever it happens to do.
 TEST(TrainPixelForest, SurvivesBeingKilled) {
   const TemporaryFolder folder;
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   options.tree.splits_per_node = 400;
   set_thread_count(1);
   const PixelSamples samples = samples_of(ball_scenes(20));
@@ -164,7 +164,7 @@ TEST(TrainPixelForest, SurvivesBeingKilled) {
 TEST(TrainPixelForest, RefusesACheckpointOfAnotherTraining) {
   const TemporaryFolder folder;
   const PixelSamples samples = samples_of(ball_scenes(5));
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
   run.nodes_done = [](std::size_t nodes) {
     if (nodes > 3) throw Error("stopped");
@@ -177,7 +177,7 @@ TEST(TrainPixelForest, RefusesACheckpointOfAnotherTraining) {
 }
 
 TEST(TrainPixelForest, RefusesSetsItCannotLearnFrom) {
-  const PixelForestOptions options = small_options();
+  const PixelForestOptions options = small_pixel_options();
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(PixelSamples(3), options); }), HasSubstr("no samples"));
   BallScene scene(1);
   std::erase_if(scene.pixels, [](const LabelledPixel& pixel) { return pixel.label == 1; });
@@ -187,14 +187,14 @@ TEST(TrainPixelForest, RefusesSetsItCannotLearnFrom) {
 
 TEST(TrainPixelForest, RefusesBadOptionsAndTooSmallAMemory) {
   const PixelSamples samples = samples_of(ball_scenes(5));
-  PixelForestOptions options = small_options();
+  PixelForestOptions options = small_pixel_options();
   options.offsets.nearest_offset_mm = 900.0;
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }),
               AllOf(HasSubstr("nearest_offset_mm is 900"), HasSubstr("600")));
-  options = small_options();
+  options = small_pixel_options();
   options.offsets.offsets_per_node = 1;
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }), HasSubstr("offsets_per_node"));
-  options = small_options();
+  options = small_pixel_options();
   options.memory_gb = 1e-4;
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }),
               AllOf(HasSubstr("5 images with 400 samples"), HasSubstr("memory_gb is 0.0001;"),

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using testing::RandomRows;
 using testing::TemporaryFolder;
 
-RegressionForest small_forest(int leaf_bits = 16) {
+RegressionForest small_regression_forest(int leaf_bits = 16) {
   RegressionForestOptions options;
   options.trees = 4;
   options.tree.splits_per_node = 50;
@@ -36,7 +36,7 @@ std::uint32_t leaf_of(const RegressionForest& forest, std::int32_t index,
 }
 
 TEST(RegressionForest, FlatWalkIsTheRecursiveWalk) {
-  const RegressionForest forest = small_forest();
+  const RegressionForest forest = small_regression_forest();
   for (const std::vector<float>& features : RandomRows(200, 30, 1, 99).features) {
     const std::vector<std::uint32_t> leaves = forest.leaves_of(features);
     std::vector<double> sum(5, 0.0);
@@ -70,7 +70,7 @@ TEST(RegressionForest, DeviationIsThatOfTheTrees) {
 TEST(RegressionForest, SavedAndLoadedAnswersTheSame) {
   const TemporaryFolder folder;
   for (const int bits : {8, 16, 32}) {
-    const RegressionForest forest = small_forest(bits);
+    const RegressionForest forest = small_regression_forest(bits);
     Hdf5File file = Hdf5File::create(folder / "forest.h5");
     write_forest(file, forest);
     file.close();
@@ -84,7 +84,7 @@ TEST(RegressionForest, SavedAndLoadedAnswersTheSame) {
 }
 
 TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
-  const RegressionForest::Parts good = small_forest().parts();
+  const RegressionForest::Parts good = small_regression_forest().parts();
   const auto fault_of = [&](const std::function<void(RegressionForest::Parts&)>& damage) {
     RegressionForest::Parts parts = good;
     damage(parts);
@@ -104,7 +104,7 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "bad.h5";
-  const RegressionForest forest = small_forest();
+  const RegressionForest forest = small_regression_forest();
   Hdf5File file = Hdf5File::create(path);
   write_forest(file, forest);
   file.set_attribute("leaf_bits", 12.0);

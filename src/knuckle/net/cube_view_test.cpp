@@ -19,13 +19,13 @@ using testing::kTestCropPx;
 using testing::kTestCube;
 using testing::kTestJoints;
 
-constexpr int kSize = 32;
+constexpr int kPatchSize = 32;
 
 class CubeViewTest : public ::testing::Test {
  protected:
   std::vector<float> pixels(const CubeView& view, const PixelFaults& faults = {},
                             std::uint64_t seed = 1) const {
-    std::vector<float> result(kSize * kSize);
+    std::vector<float> result(kPatchSize * kPatchSize);
     Random random(seed);
     viewer_.view_pixels(samples_.sample(0), view, faults, random, result);
     return result;
@@ -45,21 +45,21 @@ class CubeViewTest : public ::testing::Test {
 
 /// The pixel at a joint's place; background where that is outside of the patch.
 float pixel_at(const std::vector<float>& pixels, const float* joint) {
-  const int column = static_cast<int>(std::lround(0.5 * (kSize - 1) * (joint[0] + 1.0)));
-  const int row = static_cast<int>(std::lround(0.5 * (kSize - 1) * (joint[1] + 1.0)));
-  if (column < 0 || row < 0 || column >= kSize || row >= kSize) return kCubeBackground;
-  return pixels[static_cast<std::size_t>(row) * kSize + column];
+  const int column = static_cast<int>(std::lround(0.5 * (kPatchSize - 1) * (joint[0] + 1.0)));
+  const int row = static_cast<int>(std::lround(0.5 * (kPatchSize - 1) * (joint[1] + 1.0)));
+  if (column < 0 || row < 0 || column >= kPatchSize || row >= kPatchSize) return kCubeBackground;
+  return pixels[static_cast<std::size_t>(row) * kPatchSize + column];
 }
 
 TEST_F(CubeViewTest, TheIdentityShowsTheMiddleOfTheCropExactly) {
   const std::vector<float> seen = pixels({});
   const CubeSample sample = samples_.sample(0);
-  for (int row = 0; row < kSize; ++row) {
-    for (int column = 0; column < kSize; ++column) {
+  for (int row = 0; row < kPatchSize; ++row) {
+    for (int column = 0; column < kPatchSize; ++column) {
       const std::uint8_t code = sample.codes[static_cast<std::size_t>(row + 8) * kTestCropPx + column + 8];
       const float expected =
           code == CubeSamples::kBackgroundCode ? kCubeBackground : 1.5f * CubeSamples::depth_of_code(code);
-      EXPECT_EQ(seen[static_cast<std::size_t>(row) * kSize + column], expected) << column << ", " << row;
+      EXPECT_EQ(seen[static_cast<std::size_t>(row) * kPatchSize + column], expected) << column << ", " << row;
     }
   }
   const std::vector<float> at = joints({});
@@ -93,10 +93,10 @@ TEST_F(CubeViewTest, JointsMoveAsPixelsDoInAnyView) {
 TEST_F(CubeViewTest, AQuarterTurnIsAQuarterTurn) {
   const std::vector<float> upright = pixels({});
   const std::vector<float> turned = pixels({.rotation = 0.5 * std::numbers::pi});
-  for (int row = 0; row < kSize; ++row) {
-    for (int column = 0; column < kSize; ++column) {
-      EXPECT_EQ(turned[static_cast<std::size_t>(row) * kSize + column],
-                upright[static_cast<std::size_t>(column) * kSize + (kSize - 1 - row)]);
+  for (int row = 0; row < kPatchSize; ++row) {
+    for (int column = 0; column < kPatchSize; ++column) {
+      EXPECT_EQ(turned[static_cast<std::size_t>(row) * kPatchSize + column],
+                upright[static_cast<std::size_t>(column) * kPatchSize + (kPatchSize - 1 - row)]);
     }
   }
 }
@@ -185,7 +185,7 @@ TEST_F(CubeViewTest, FaultsTouchThePixelsOfTheHandAlone) {
     }
     squares += std::pow((noisy[i] - whole[i]) * 0.5 * kTestCube.side_mm, 2);
     EXPECT_TRUE(holed[i] == kCubeBackground || holed[i] == whole[i]);
-    const bool is_erased = std::hypot(i % kSize - 8.0, i / kSize - 8.0) < 6.0;
+    const bool is_erased = std::hypot(i % kPatchSize - 8.0, i / kPatchSize - 8.0) < 6.0;
     EXPECT_EQ(erased[i], is_erased ? kCubeBackground : whole[i]);
   }
   const auto count = static_cast<double>(hand_pixels(whole));

@@ -12,14 +12,14 @@
 namespace knuckle {
 namespace {
 
-constexpr int kCells = 18;
-constexpr double kMapPxPerCell = 96.0 / kCells;
+constexpr int kMapCells = 18;
+constexpr double kMapPxPerCell = 96.0 / kMapCells;
 
 std::vector<float> gaussian_map(double column, double row, double deviation, double noise = 0.0) {
   std::vector<float> map;
   Random random(1);
-  for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
+  for (int y = 0; y < kMapCells; ++y) {
+    for (int x = 0; x < kMapCells; ++x) {
       const double squared = (x - column) * (x - column) + (y - row) * (y - row);
       map.push_back(
           static_cast<float>(std::exp(-0.5 * squared / (deviation * deviation)) + noise * random.normal()));
@@ -29,10 +29,10 @@ std::vector<float> gaussian_map(double column, double row, double deviation, dou
 }
 
 TEST(HeatMapGrid, PlacesAreTheSameThereAndBack) {
-  const HeatMapGrid grid{kCells, 96};
+  const HeatMapGrid grid{kMapCells, 96};
   for (const double cell : {-1.0, 0.0, 3.3, 17.0})
     EXPECT_NEAR(grid.cell_of(grid.coordinate_of(cell)), cell, 1e-12);
-  EXPECT_NEAR(grid.coordinate_of(0.5 * (kCells - 1)), 0.0, 1e-12) << "the middle is the middle";
+  EXPECT_NEAR(grid.coordinate_of(0.5 * (kMapCells - 1)), 0.0, 1e-12) << "the middle is the middle";
   EXPECT_NEAR(grid.cell_of(-1.0), (0.5 / kMapPxPerCell) - 0.5, 1e-12)
       << "the first pixel lies in the first cell";
 }
@@ -41,7 +41,7 @@ TEST(GaussianPeak, FindsAKnownGaussianToAFiftiethOfAPatchPixel) {
   for (const double deviation : {0.8, 1.0, 1.7}) {
     for (const double column : {0.0, 0.4, 5.25, 8.5, 16.9, 17.0}) {
       for (const double row : {0.0, 3.0, 9.49, 17.3}) {
-        const HeatMapPeak peak = gaussian_peak(gaussian_map(column, row, deviation), kCells);
+        const HeatMapPeak peak = gaussian_peak(gaussian_map(column, row, deviation), kMapCells);
         EXPECT_LT(std::hypot(peak.column - column, peak.row - row) * kMapPxPerCell, 0.02)
             << column << ", " << row << ", " << deviation;
       }
@@ -53,33 +53,33 @@ TEST(GaussianPeak, BearsNoise) {
   double squares = 0.0;
   for (int i = 0; i < 100; ++i) {
     const double column = 5.0 + 0.07 * i;
-    const HeatMapPeak peak = gaussian_peak(gaussian_map(column, 7.3, 1.0, 0.02), kCells);
+    const HeatMapPeak peak = gaussian_peak(gaussian_map(column, 7.3, 1.0, 0.02), kMapCells);
     squares += std::pow(peak.column - column, 2) + std::pow(peak.row - 7.3, 2);
   }
   EXPECT_LT(std::sqrt(squares / 100.0), 0.1);
 }
 
 TEST(GaussianPeak, OfAMapWithoutAPeakIsTheLargestCell) {
-  std::vector<float> map(kCells * kCells, 0.0f);
-  map[3 * kCells + 5] = -0.0f;
-  EXPECT_EQ(gaussian_peak(map, kCells).value, 0.0f);
+  std::vector<float> map(kMapCells * kMapCells, 0.0f);
+  map[3 * kMapCells + 5] = -0.0f;
+  EXPECT_EQ(gaussian_peak(map, kMapCells).value, 0.0f);
   map.assign(map.size(), -1.0f);
-  map[3 * kCells + 5] = -0.5f;
-  const HeatMapPeak negative = gaussian_peak(map, kCells);
+  map[3 * kMapCells + 5] = -0.5f;
+  const HeatMapPeak negative = gaussian_peak(map, kMapCells);
   EXPECT_EQ(negative.column, 5.0);
   EXPECT_EQ(negative.row, 3.0);
-  map[3 * kCells + 5] = 2.0f;
-  const HeatMapPeak alone = gaussian_peak(map, kCells);
+  map[3 * kMapCells + 5] = 2.0f;
+  const HeatMapPeak alone = gaussian_peak(map, kMapCells);
   EXPECT_EQ(alone.column, 5.0);
   EXPECT_EQ(alone.row, 3.0);
   map.assign(map.size(), 1.0f);
-  const HeatMapPeak flat = gaussian_peak(map, kCells);
+  const HeatMapPeak flat = gaussian_peak(map, kMapCells);
   EXPECT_TRUE(flat.column >= 0.0 && flat.column <= 1.0 && std::isfinite(flat.row));
 }
 
 TEST(MeanShiftPeak, FindsAGaussianInsideTheMap) {
   for (const double column : {5.0, 5.25, 8.5, 11.9}) {
-    const HeatMapPeak peak = mean_shift_peak(gaussian_map(column, 9.4, 1.0), kCells, 1.0);
+    const HeatMapPeak peak = mean_shift_peak(gaussian_map(column, 9.4, 1.0), kMapCells, 1.0);
     EXPECT_NEAR(peak.column, column, 0.01);
     EXPECT_NEAR(peak.row, 9.4, 0.01);
   }
@@ -89,8 +89,8 @@ TEST(MeanShiftPeak, StaysAtTheLargerOfTwoPeaks) {
   std::vector<float> map = gaussian_map(4.0, 4.0, 1.0);
   const std::vector<float> smaller = gaussian_map(13.0, 13.0, 1.0);
   for (std::size_t i = 0; i < map.size(); ++i) map[i] += 0.7f * smaller[i];
-  EXPECT_NEAR(mean_shift_peak(map, kCells, 1.0).column, 4.0, 0.01);
-  EXPECT_EQ(mean_shift_peak(std::vector<float>(kCells * kCells, -1.0f), kCells, 1.0).column, 0.0);
+  EXPECT_NEAR(mean_shift_peak(map, kMapCells, 1.0).column, 4.0, 0.01);
+  EXPECT_EQ(mean_shift_peak(std::vector<float>(kMapCells * kMapCells, -1.0f), kMapCells, 1.0).column, 0.0);
 }
 
 TEST(SoftArgMax, FindsAKnownGaussian) {

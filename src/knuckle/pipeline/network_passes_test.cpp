@@ -10,8 +10,8 @@
 namespace knuckle {
 namespace {
 
-/// A slanted plate of 80 mm, half a metre away.
-Frame plate() {
+/// A slanted slanted_plate of 80 mm, half a metre away.
+Frame slanted_plate() {
   Frame frame;
   frame.camera.width = 320;
   frame.camera.height = 240;
@@ -46,7 +46,7 @@ class NetworkPasses : public ::testing::Test {
     write_text_file(
         folder_ / "p.toml",
         fmt::format("[estimator]\nmethod = \"dense\"\nmodel = \"small.pt\"\npasses = {}\n", passes));
-    return Pipeline::load(folder_ / "p.toml").estimate(plate());
+    return Pipeline::load(folder_ / "p.toml").estimate(slanted_plate());
   }
 
   testing::TemporaryFolder folder_;
@@ -57,7 +57,7 @@ TEST_F(NetworkPasses, TheSecondLooksAroundTheJointsOfTheFirst) {
   const FrameEstimate twice = estimate(2);
   ASSERT_EQ(once.hands.size(), 1u) << once.reason;
   const PoseNetwork network(folder_ / "small.pt");
-  const auto patch = extract_cube(plate(), mean_of(once.hands[0].pose), testing::kTestCube);
+  const auto patch = extract_cube(slanted_plate(), mean_of(once.hands[0].pose), testing::kTestCube);
   ASSERT_TRUE(patch);
   const NetworkPrediction expected = network.predict(patch->pixels);
   for (std::size_t j = 0; j < expected.joints.size(); ++j) {

@@ -21,6 +21,7 @@ using ::knuckle::testing::draw_rod;
 using ::knuckle::testing::error_of;
 using ::knuckle::testing::quarter_vga_camera;
 using ::knuckle::testing::TemporaryFolder;
+using ::knuckle::testing::trusting_forest;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -91,15 +92,6 @@ TEST(ForestSegmenter, SaysWhyThereIsNoHand) {
   const Segmentation found = segmenter.segment(frame, std::nullopt);
   EXPECT_TRUE(found.hands.empty());
   EXPECT_THAT(found.reason, HasSubstr("takes for a hand"));
-}
-
-/// A forest that calls everything a hand.
-PixelForest trusting_forest() {
-  PixelForest::Parts parts;
-  parts.trees.roots = {0};
-  parts.trees.nodes = {{~0, {}, 0}};
-  parts.leaf_codes = {255};
-  return {parts, "test"};
 }
 
 TEST(ForestSegmenter, TakesTheHandAtTheStart) {

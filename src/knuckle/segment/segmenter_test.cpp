@@ -32,14 +32,10 @@ struct Setup {
 };
 
 /// A forest that calls everything a hand; lives as long as the tests.
-const std::filesystem::path& trusting_forest() {
+const std::filesystem::path& trusting_forest_file() {
   static const testing::TemporaryFolder folder;
   static const std::filesystem::path path = [] {
-    PixelForest::Parts parts;
-    parts.trees.roots = {0};
-    parts.trees.nodes = {{~0, {}, 0}};
-    parts.leaf_codes = {255};
-    save_segmentation_forest(folder / "forest.h5", PixelForest(parts, "test"));
+    save_segmentation_forest(folder / "forest.h5", testing::trusting_forest());
     return folder / "forest.h5";
   }();
   return path;
@@ -47,7 +43,7 @@ const std::filesystem::path& trusting_forest() {
 
 /// What the table of a method needs beside its options.
 std::string model_line(std::string_view name) {
-  return name == "forest" ? "\nmodel = \"" + trusting_forest().string() + "\"" : "";
+  return name == "forest" ? "\nmodel = \"" + trusting_forest_file().string() + "\"" : "";
 }
 
 class SegmenterTest : public ::testing::TestWithParam<Setup> {

@@ -11,6 +11,7 @@
 #include "knuckle/core/box.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/core/random.h"
+#include "knuckle/forest/pixel_forest.h"
 
 namespace knuckle::testing {
 
@@ -24,6 +25,15 @@ inline Camera quarter_vga_camera() {
   camera.cx = 160.0;
   camera.cy = 120.0;
   return camera;
+}
+
+/// Takes every measured pixel for a hand.
+inline PixelForest trusting_forest() {
+  PixelForest::Parts parts;
+  parts.trees.roots = {0};
+  parts.trees.nodes = {{~0, {}, 0}};
+  parts.leaf_codes = {255};
+  return {parts, "test"};
 }
 
 inline Frame blank_frame(const Camera& camera) {

@@ -7,28 +7,28 @@
 namespace knuckle {
 namespace {
 
-constexpr int kRows = 4000;
+constexpr int kStepRows = 4000;
 constexpr float kNear = 500.0f;
 constexpr float kFar = 800.0f;
 
 /// Near at the left, far at the right, the step between columns 3 and 4.
-Image<float> step() {
-  Image<float> image(8, kRows, kFar);
-  for (int row = 0; row < kRows; ++row) {
+Image<float> near_then_far() {
+  Image<float> image(8, kStepRows, kFar);
+  for (int row = 0; row < kStepRows; ++row) {
     for (int column = 0; column < 4; ++column) image(column, row) = kNear;
   }
   return image;
 }
 
-Image<float> seen(const Image<float>& image, double flying_px, std::uint64_t seed = 1) {
+Image<float> with_flying_pixels(const Image<float>& image, double flying_px, std::uint64_t seed = 1) {
   return with_flying_pixels(image, edge_pixels(image, 20.0), {.flying_px = flying_px}, seed);
 }
 
 TEST(FlyingPixels, MixTheExpectedPartOfTheEdgeAndNothingElse) {
   for (const double flying_px : {0.5, 1.0, 2.0}) {
-    const Image<float> image = seen(step(), flying_px);
+    const Image<float> image = with_flying_pixels(near_then_far(), flying_px);
     int mixed[8] = {};
-    for (int row = 0; row < kRows; ++row) {
+    for (int row = 0; row < kStepRows; ++row) {
       for (int column = 0; column < 8; ++column) {
         const float depth = image(column, row);
         if (depth == (column < 4 ? kNear : kFar)) continue;
@@ -38,8 +38,8 @@ TEST(FlyingPixels, MixTheExpectedPartOfTheEdgeAndNothingElse) {
       }
     }
     for (const int column : {0, 1, 2, 5, 6, 7}) EXPECT_EQ(mixed[column], 0) << column;
-    EXPECT_NEAR(mixed[3], kRows * flying_px / 2, 150);
-    EXPECT_NEAR(mixed[4], kRows * flying_px / 2, 150);
+    EXPECT_NEAR(mixed[3], kStepRows * flying_px / 2, 150);
+    EXPECT_NEAR(mixed[4], kStepRows * flying_px / 2, 150);
   }
 }
 
@@ -52,9 +52,9 @@ TEST(FlyingPixels, LieWhereTheLightOfBothSurfacesPutsThem) {
     const double far_light = share / (kFar * kFar);
     expected += (kNear * near_light + kFar * far_light) / (near_light + far_light) / 10000;
   }
-  const Image<float> image = seen(step(), 2.0);
+  const Image<float> image = with_flying_pixels(near_then_far(), 2.0);
   double mean = 0.0;
-  for (int row = 0; row < kRows; ++row) mean += image(3, row) / kRows;
+  for (int row = 0; row < kStepRows; ++row) mean += image(3, row) / kStepRows;
   EXPECT_NEAR(mean, expected, 2.0);  // three times its own deviation
 }
 
@@ -63,19 +63,19 @@ TEST(FlyingPixels, APlaneHasNone) {
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 40; ++column) slanted(column, row) = 500.0f + 15.0f * column;
   }
-  EXPECT_EQ(seen(slanted, 2.0), slanted);
+  EXPECT_EQ(with_flying_pixels(slanted, 2.0), slanted);
 }
 
 TEST(FlyingPixels, NothingBehindGivesNoLight) {
-  Image<float> image = step();
+  Image<float> image = near_then_far();
   for (float& depth : image.pixels()) depth = depth == kFar ? 0.0f : depth;
-  EXPECT_EQ(seen(image, 2.0), image);
+  EXPECT_EQ(with_flying_pixels(image, 2.0), image);
 }
 
 TEST(FlyingPixels, AreAFunctionOfSeedAndPlace) {
-  EXPECT_EQ(seen(step(), 1.0, 4), seen(step(), 1.0, 4));
-  EXPECT_NE(seen(step(), 1.0, 4), seen(step(), 1.0, 5));
-  EXPECT_EQ(seen(step(), 0.0), step());
+  EXPECT_EQ(with_flying_pixels(near_then_far(), 1.0, 4), with_flying_pixels(near_then_far(), 1.0, 4));
+  EXPECT_NE(with_flying_pixels(near_then_far(), 1.0, 4), with_flying_pixels(near_then_far(), 1.0, 5));
+  EXPECT_EQ(with_flying_pixels(near_then_far(), 0.0), near_then_far());
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 namespace knuckle {
 namespace {
 
-const Camera kCamera{.width = 5, .height = 1, .fx = 100, .fy = 100, .cx = 2, .cy = 0};
+const Camera kRowCamera{.width = 5, .height = 1, .fx = 100, .fy = 100, .cx = 2, .cy = 0};
 const InfraredOptions kLight{.infrared = 1000.0};
 
 std::uint16_t amplitude(float depth_mm, float cosine, int column = 2) {
-  return infrared_image(Image<float>(5, 1, depth_mm), Image<float>(5, 1, cosine), kCamera, kLight, 1)(column,
-                                                                                                      0);
+  return infrared_image(Image<float>(5, 1, depth_mm), Image<float>(5, 1, cosine), kRowCamera, kLight, 1)(
+      column, 0);
 }
 
 TEST(Infrared, FallsWithTheSquareOfTheDistance) {
@@ -31,7 +31,7 @@ TEST(Infrared, MeasuresDistanceAlongTheLineOfSight) {
   const double squared_length = 1.0 + 0.02 * 0.02;
   EXPECT_EQ(amplitude(100.0f, 1.0f, 4), 65535);  // saturated
   EXPECT_NEAR(amplitude(250.0f, 1.0f, 4), 16000.0 / squared_length, 1.0);
-  Camera wide = kCamera;
+  Camera wide = kRowCamera;
   wide.fx = 2.0;
   const auto image = infrared_image(Image<float>(5, 1, 1000.0f), {}, wide, kLight, 1);
   EXPECT_EQ(image(2, 0), 1000);

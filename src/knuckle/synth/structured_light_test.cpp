@@ -11,11 +11,11 @@ namespace knuckle {
 namespace {
 
 constexpr double kJump = 20.0;
-const Camera kCamera{.width = 400, .height = 3, .fx = 580, .fy = 580, .cx = 199.5, .cy = 1};
+const Camera kWideCamera{.width = 400, .height = 3, .fx = 580, .fy = 580, .cx = 199.5, .cy = 1};
 
 /// A wall with a strip before it, in columns [first, last].
 Image<float> strip(float near_mm, float far_mm, int first, int last) {
-  Image<float> image(kCamera.width, kCamera.height, far_mm);
+  Image<float> image(kWideCamera.width, kWideCamera.height, far_mm);
   for (int row = 0; row < image.height(); ++row) {
     for (int column = first; column <= last; ++column) image(column, row) = near_mm;
   }
@@ -24,7 +24,7 @@ Image<float> strip(float near_mm, float far_mm, int first, int last) {
 
 /// Columns of the middle row that lie in the shadow.
 std::vector<int> dark_columns(const Image<float>& image, double baseline_mm) {
-  const Image<float> lit = without_shadows(image, kCamera, {.baseline_mm = baseline_mm}, kJump);
+  const Image<float> lit = without_shadows(image, kWideCamera, {.baseline_mm = baseline_mm}, kJump);
   std::vector<int> dark;
   for (int column = 0; column < image.width(); ++column) {
     if (lit(column, 1) == 0.0f && image(column, 1) != 0.0f) dark.push_back(column);
@@ -55,23 +55,23 @@ TEST(StructuredLight, AThinThingThrowsItsShadowBesideItself) {
 }
 
 TEST(StructuredLight, ASurfaceThatTheProjectorSeesIsLit) {
-  EXPECT_TRUE(dark_columns(Image<float>(kCamera.width, kCamera.height, 600.0f), 75.0).empty());
-  Image<float> slanted(kCamera.width, kCamera.height);
+  EXPECT_TRUE(dark_columns(Image<float>(kWideCamera.width, kWideCamera.height, 600.0f), 75.0).empty());
+  Image<float> slanted(kWideCamera.width, kWideCamera.height);
   for (int row = 0; row < slanted.height(); ++row) {
     for (int column = 0; column < slanted.width(); ++column) slanted(column, row) = 500.0f + 2.0f * column;
   }
   EXPECT_TRUE(dark_columns(slanted, 75.0).empty());
   EXPECT_TRUE(dark_columns(slanted, -75.0).empty());
   const Image<float> step = strip(500.0f, 800.0f, 100, 200);
-  EXPECT_EQ(without_shadows(step, kCamera, {.baseline_mm = 75, .shadows = false}, kJump), step);
-  EXPECT_EQ(without_shadows(step, kCamera, {}, kJump), step);
+  EXPECT_EQ(without_shadows(step, kWideCamera, {.baseline_mm = 75, .shadows = false}, kJump), step);
+  EXPECT_EQ(without_shadows(step, kWideCamera, {}, kJump), step);
 }
 
 TEST(StructuredLight, DisparitiesAreWholeNumbersOfSteps) {
   const StructuredLightOptions options{.baseline_mm = 75.0, .disparity_px = 0.125};
-  Image<float> depths(kCamera.width, kCamera.height);
+  Image<float> depths(kWideCamera.width, kWideCamera.height);
   for (std::size_t i = 0; i < depths.size(); ++i) depths.data()[i] = 400.0f + 3.1f * static_cast<float>(i);
-  const Image<float> rounded = with_rounded_disparity(depths, kCamera, options);
+  const Image<float> rounded = with_rounded_disparity(depths, kWideCamera, options);
   for (std::size_t i = 0; i < depths.size(); ++i) {
     const double steps = 580 * 75.0 / 0.125 / rounded.data()[i];
     EXPECT_NEAR(steps, std::nearbyint(steps), 1e-3);
@@ -97,9 +97,9 @@ TEST(StructuredLight, DepthStepsAreThoseOfKhoshelham) {
 }
 
 TEST(StructuredLight, WhatIsNotSeenStaysSo) {
-  const Image<float> nothing(kCamera.width, kCamera.height);
-  EXPECT_EQ(without_shadows(nothing, kCamera, {.baseline_mm = 75}, kJump), nothing);
-  EXPECT_EQ(with_rounded_disparity(nothing, kCamera, {.baseline_mm = 75, .disparity_px = 1}), nothing);
+  const Image<float> nothing(kWideCamera.width, kWideCamera.height);
+  EXPECT_EQ(without_shadows(nothing, kWideCamera, {.baseline_mm = 75}, kJump), nothing);
+  EXPECT_EQ(with_rounded_disparity(nothing, kWideCamera, {.baseline_mm = 75, .disparity_px = 1}), nothing);
 }
 
 }  // namespace

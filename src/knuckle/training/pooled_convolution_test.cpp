@@ -9,7 +9,7 @@
 namespace knuckle {
 namespace {
 
-struct Case {
+struct PoolCase {
   std::string name;
   int inputs;
   int outputs;
@@ -18,14 +18,14 @@ struct Case {
   PooledConvolutionShape shape;
 };
 
-class PooledConvolutions : public ::testing::TestWithParam<Case> {
+class PooledConvolutions : public ::testing::TestWithParam<PoolCase> {
  protected:
   struct Tensors {
     torch::Tensor maps, weight, bias;
   };
 
   static Tensors random_tensors(torch::ScalarType type) {
-    const Case& c = GetParam();
+    const PoolCase& c = GetParam();
     torch::manual_seed(5);
     const auto make = [&](torch::IntArrayRef sizes) {
       return torch::randn(sizes).to(type).requires_grad_(true);
@@ -40,12 +40,12 @@ class PooledConvolutions : public ::testing::TestWithParam<Case> {
 };
 
 INSTANTIATE_TEST_SUITE_P(, PooledConvolutions,
-                         ::testing::Values(Case{"bank5_pool4", 1, 16, 36, 36, {5, 4}},
-                                           Case{"bank6_pool2", 16, 32, 12, 12, {6, 2}},
-                                           Case{"bank4_no_pool", 1, 16, 12, 12, {4, 1}},
-                                           Case{"rest_left_over", 3, 5, 13, 12, {3, 4}},
-                                           Case{"one_pixel", 2, 1, 1, 1, {1, 1}},
-                                           Case{"wide", 1, 3, 6, 19, {2, 3}}),
+                         ::testing::Values(PoolCase{"bank5_pool4", 1, 16, 36, 36, {5, 4}},
+                                           PoolCase{"bank6_pool2", 16, 32, 12, 12, {6, 2}},
+                                           PoolCase{"bank4_no_pool", 1, 16, 12, 12, {4, 1}},
+                                           PoolCase{"rest_left_over", 3, 5, 13, 12, {3, 4}},
+                                           PoolCase{"one_pixel", 2, 1, 1, 1, {1, 1}},
+                                           PoolCase{"wide", 1, 3, 6, 19, {2, 3}}),
                          [](const auto& instance) { return instance.param.name; });
 
 // Double precision takes LibTorch's own operations: the reference.

@@ -50,13 +50,13 @@ Image<float> made_up_patch(int size, std::uint64_t seed) {
   return patch;
 }
 
-struct Case {
+struct NetworkCase {
   std::string name;
   NetworkOptions options;
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> cases;
+std::vector<NetworkCase> cases() {
+  std::vector<NetworkCase> cases;
   for (const std::string_view architecture : network_architectures()) {
     NetworkOptions options = small_network();
     options.architecture = architecture;
@@ -88,7 +88,7 @@ std::vector<Case> cases() {
   return cases;
 }
 
-class SameAnswers : public ::testing::TestWithParam<Case> {};
+class SameAnswers : public ::testing::TestWithParam<NetworkCase> {};
 
 INSTANTIATE_TEST_SUITE_P(, SameAnswers, ::testing::ValuesIn(cases()),
                          [](const auto& instance) { return instance.param.name; });
