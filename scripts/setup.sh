@@ -17,7 +17,7 @@ packages=(
   libopenexr-dev libdeflate-dev libxxhash-dev libzip-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
 )
 development_packages=(
-  ccache clang-format clang-tidy python3 python3-numpy python3-h5py
+  ccache clang-format clang-tidy git python3 python3-numpy python3-h5py
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
 )
@@ -36,6 +36,7 @@ has_command() {
   case "$1" in
     g++) command -v g++ ;;
     cmake) command -v cmake ;;
+    git) command -v git ;;
     ninja-build) command -v ninja ;;
     pkg-config) command -v pkg-config ;;
     python3) command -v python3 ;;

@@ -10,8 +10,8 @@
 
 namespace knuckle {
 
-LabelledImageSource::LabelledImageSource(LabelledImages images, LabelledImageFormat format)
-    : images_(std::move(images)), format_(std::move(format)), projection_(format_.camera) {}
+LabelledImageSource::LabelledImageSource(LabelledImages images, const LabelledImageFormat& format)
+    : images_(std::move(images)), format_(format), projection_(format_.camera) {}
 
 std::optional<Convention> LabelledImageSource::convention() const {
   if (!images_.has_labels()) return std::nullopt;

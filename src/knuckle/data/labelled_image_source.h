@@ -28,7 +28,7 @@ struct LabelledImageFormat {
 /// truth.
 class LabelledImageSource : public FrameSource {
  public:
-  LabelledImageSource(LabelledImages images, LabelledImageFormat format);
+  LabelledImageSource(LabelledImages images, const LabelledImageFormat& format);
 
   std::int64_t size() const override { return images_.size(); }
   Frame read(std::int64_t index) const override;
