@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 
 packages=(
   # tools
-  g++ cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
+  g++ make cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
   libopenexr-dev libdeflate-dev libxxhash-dev libzip-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
@@ -36,6 +36,7 @@ has_command() {
   case "$1" in
     g++) command -v g++ ;;
     cmake) command -v cmake ;;
+    make) command -v make ;;
     git) command -v git ;;
     ninja-build) command -v ninja ;;
     pkg-config) command -v pkg-config ;;

@@ -9,8 +9,6 @@
 namespace knuckle {
 namespace {
 
-constexpr double kJointBehindSkinMm = 12.0;  // the best of 0, 8, 12 and 16 mm on validation frames
-
 HeatMapPeak peak_of(std::span<const float> map, const PaperNetworkOptions& options) {
   return options.peak == "gaussian" ? gaussian_peak(map, options.map_cells)
                                     : mean_shift_peak(map, options.map_cells, options.peak_deviation);

@@ -3,6 +3,7 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/net/heat_map_decoding.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/training/heat_map_network.h"
 #include "knuckle/training/loss_gradient_testing.h"
@@ -144,7 +145,9 @@ TEST_P(PaperNetworks, Learn32SamplesByHeart) {
   const CubeSamples samples = testing::made_up_samples(32);
   const auto metrics = train_network(network, options, testing::no_augmentation(), samples, samples,
                                      testing::run_in(folder.path(), "net"));
-  EXPECT_LT(metrics.back().validation.first_mm, 1.0);
+  // The joints of these samples lie on the surface, where only `heatmap2d` does not put them.
+  const double away_mm = GetParam().architecture == "heatmap2d" ? kJointBehindSkinMm : 0.0;
+  EXPECT_NEAR(metrics.back().validation.first_mm, away_mm, 1.0);
 }
 
 TEST_P(PaperNetworks, RefuseShardsOfASingleSample) {
@@ -205,12 +208,13 @@ TEST_P(HeatMapTargets, ComeBackAsTheJointsTheyWereMadeOf) {
 }
 
 TEST(HeatMapNetwork, LooksUpTheDepthWhereItPredictsNone) {
-  HeatMapNetwork network(small_options("heatmap2d"));
+  const NetworkOptions options = small_options("heatmap2d");
+  HeatMapNetwork network(options);
   const torch::Tensor joints = torch::zeros({1, kTestJoints, 3});
   torch::Tensor patches = torch::ones({1, 1, 32, 32});
   patches[0][0][16][16] = -0.25;
   const torch::Tensor found = network.decode(network.targets(joints), patches).joints;
-  const double behind_skin = 12.0 / 125.0;
+  const double behind_skin = kJointBehindSkinMm / (0.5 * options.patch.cube_mm);
   EXPECT_TRUE(torch::allclose(found.select(2, 2), torch::full({1, kTestJoints}, -0.25 + behind_skin)));
 }
 
