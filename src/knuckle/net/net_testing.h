@@ -46,10 +46,12 @@ inline MadeUpHand made_up_hand(std::uint64_t id) {
   return hand;
 }
 
-inline CubeSamples made_up_samples(std::int64_t count) {
+/// Samples whose joints lie `behind_mm` behind the surface.
+inline CubeSamples made_up_samples(std::int64_t count, double behind_mm = 0.0) {
   CubeSamples samples(count, kTestJoints, kTestCube, kTestCropPx);
   for (std::int64_t i = 0; i < count; ++i) {
-    const MadeUpHand hand = made_up_hand(static_cast<std::uint64_t>(i));
+    MadeUpHand hand = made_up_hand(static_cast<std::uint64_t>(i));
+    for (PatchPoint& joint : hand.joints) joint.d += behind_mm / (0.5 * samples.crop().side_mm);
     samples.set(i, hand.crop, hand.joints, kTestCentre);
   }
   samples.finish();

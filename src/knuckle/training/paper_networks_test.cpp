@@ -142,12 +142,10 @@ TEST_P(PaperNetworks, Learn32SamplesByHeart) {
   options.average_decay = 0.9;
   options.gradient_clip = 0.0;
   options.learning_rate.learning_rate = 1e-2;
-  const CubeSamples samples = testing::made_up_samples(32);
+  const CubeSamples samples = testing::made_up_samples(32, kJointBehindSkinMm);
   const auto metrics = train_network(network, options, testing::no_augmentation(), samples, samples,
                                      testing::run_in(folder.path(), "net"));
-  // The joints of these samples lie on the surface, where only `heatmap2d` does not put them.
-  const double away_mm = GetParam().architecture == "heatmap2d" ? kJointBehindSkinMm : 0.0;
-  EXPECT_NEAR(metrics.back().validation.first_mm, away_mm, 1.0);
+  EXPECT_LT(metrics.back().validation.first_mm, 1.0);
 }
 
 TEST_P(PaperNetworks, RefuseShardsOfASingleSample) {
