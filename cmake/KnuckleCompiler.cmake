@@ -12,7 +12,7 @@ option(KNUCKLE_SANITIZE "Build with the address and undefined-behaviour sanitize
 option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .ci/run: other compilers warn of other things
 # All is built in half the time so, but after a change more of it has to be. Names must differ within a module, even those
 # in unnamed namespaces.
-option(KNUCKLE_UNITY "Compile the sources of a module in groups of five" OFF)
+option(KNUCKLE_UNITY "Compile the sources of a module in groups of five" ON)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(default_arch x86-64-v3)  # AVX2 and FMA: every x86 processor since 2013
 endif()

@@ -63,12 +63,24 @@ def changed_tree(folder):
     return tree, [apply_change(tree, block) for block in blocks_of(PAGE, "diff")]
 
 
+def includes(group, source):
+    """Whether this is one of CMake's files that name the sources of a group, and this source is among them."""
+    return group.name.startswith("unity_") and f'"{source}"' in group.read_text(encoding="utf-8")
+
+
 def compiled(source, tree, build, folder):
-    """The object of a changed file, compiled as the project's build does, but without optimising."""
+    """The object of a changed file, or of the group that it is compiled in, as the project's build does, but without optimising."""
     original = str(PROJECT / source.relative_to(tree))
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    command = next(entry for entry in commands if entry["file"] == original)
+    command = next(
+        entry for entry in commands if entry["file"] == original or includes(pathlib.Path(entry["file"]), original)
+    )
     words = shlex.split(command["command"].replace(str(PROJECT / "src"), str(tree / "src")))
+    if command["file"] != original:
+        source = folder / f"group_of_{source.name}"
+        group = pathlib.Path(command["file"]).read_text(encoding="utf-8")
+        source.write_text(group.replace(str(PROJECT / "src"), str(tree / "src")), encoding="utf-8")
+        words[words.index(command["file"])] = str(source)
     target = folder / f"{source.stem}.o"
     words[words.index("-o") + 1] = str(target)
     run([*words, "-O0"], cwd=command["directory"])
