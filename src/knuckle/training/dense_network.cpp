@@ -85,7 +85,8 @@ DenseNetwork::DenseNetwork(const NetworkOptions& options)
 }
 
 torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
-  torch::Tensor features = down_[0]->forward(patches.contiguous(torch::MemoryFormat::ChannelsLast));
+  torch::Tensor features =
+      down_[0]->forward(to_compute(patches).contiguous(torch::MemoryFormat::ChannelsLast));
   std::vector<torch::Tensor> stages;
   for (std::size_t stage = 0; stage < blocks_.size(); ++stage) {
     features = down_[stage + 1]->forward(features);
@@ -96,7 +97,7 @@ torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
     const torch::Tensor coarse = twice_as_large(lateral_[i]->forward(features));
     features = smooth_[i]->forward(coarse + stages[1 - i]);
   }
-  return head_->forward(features);
+  return head_->forward(features.to(patches.scalar_type()));  // votes are fractions of a millimetre: all bits
 }
 
 DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const torch::Tensor& patches) const {

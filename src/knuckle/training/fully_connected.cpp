@@ -32,7 +32,10 @@ ConnectedUnit::ConnectedUnit(int64_t inputs, const ConnectedLayer& layer)
 }
 
 torch::Tensor ConnectedUnit::forward(const torch::Tensor& input) {
-  const torch::Tensor sums = linear_->forward(input);
+  // Computed in the input's type whatever that of the weights.
+  const torch::ScalarType type = input.scalar_type();
+  const torch::Tensor bias = linear_->bias.defined() ? linear_->bias.to(type) : linear_->bias;
+  const torch::Tensor sums = torch::linear(input, linear_->weight.to(type), bias);
   if (norm_.is_empty()) return sums;
   torch::Tensor result = norm_->forward(sums);
   return torch::relu_(result);

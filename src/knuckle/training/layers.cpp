@@ -28,7 +28,11 @@ ConvolutionUnit::ConvolutionUnit(const Shape& shape, Activation activation)
 }
 
 torch::Tensor ConvolutionUnit::forward(const torch::Tensor& input) {
-  torch::Tensor result = norm_->forward(convolution_->forward(input));
+  // Computed in the input's type whatever that of the weights.
+  const torch::Tensor weight = convolution_->weight.to(input.scalar_type());
+  const auto& options = convolution_->options;
+  const torch::Tensor sums = torch::conv2d(input, weight, {}, options.stride(), weight.size(2) / 2);
+  torch::Tensor result = norm_->forward(sums);
   return activation_ == Activation::relu ? torch::relu_(result) : result;
 }
 

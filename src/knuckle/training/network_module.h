@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <torch/nn/module.h>
 #include <torch/types.h>
@@ -31,13 +32,20 @@ class NetworkModule : public torch::nn::Module {
   /// Names the random numbers that the next `forward` in training draws, where the architecture draws any.
   virtual void seed_dropout(std::uint64_t /*seed*/) {}
 
+  /// From now on `forward` multiplies and keeps its features in numbers of this type; weights, loss and what
+  /// comes out stay in the patches' type.
+  void compute_in(torch::ScalarType type) { type_ = type; }
+
   int patch_size() const { return patch_size_; }
 
  protected:
   explicit NetworkModule(int patch_size) : patch_size_(patch_size) {}
+  /// The values in the type to compute in.
+  torch::Tensor to_compute(const torch::Tensor& values) const { return type_ ? values.to(*type_) : values; }
 
  private:
   int patch_size_;
+  std::optional<torch::ScalarType> type_;
 };
 
 /// Builds the network with random weights that depend on `seed` alone.

@@ -20,6 +20,7 @@ namespace knuckle {
 namespace {
 
 constexpr std::array<std::string_view, 2> kOptimisers = {"adamw", "sgd"};
+constexpr std::array<std::string_view, 2> kPrecisions = {"single", "bfloat16"};
 
 /// Keeps what is freed for the next allocation. The paper's networks take and free gradients of 200 MB in
 /// each step; glibc would give these back to the system, and faulting their pages in again would take a third
@@ -38,6 +39,7 @@ void NetworkTrainingOptions::visit(OptionVisitor& visitor) {
   visitor.integer("batch_size", batch_size, closed(1, 65536));
   visitor.integer("shards", shards, closed(1, 256));
   visitor.choice("optimiser", optimiser, kOptimisers);
+  visitor.choice("precision", precision, kPrecisions);
   visitor.real("momentum", momentum, closed_open(0, 1));
   visitor.real("weight_decay", weight_decay, closed(0, 1));
   visitor.real("gradient_clip", gradient_clip, closed(0, 1e6));

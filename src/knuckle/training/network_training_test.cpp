@@ -106,6 +106,24 @@ TEST_P(EveryArchitecture, GoesOnFromACheckpointToTheSameBits) {
   }
 }
 
+TEST_P(EveryArchitecture, InBfloat16LearnsNearlyTheSame) {
+  NetworkTrainingOptions options = short_training();
+  const auto single = train(options, run("single"), network());
+  options.precision = "bfloat16";
+  const auto half = train(options, run("half"), network());
+  EXPECT_NE(half.front().training_loss, single.front().training_loss) << "all numbers still have 32 bits";
+  for (std::size_t i = 0; i < single.size(); ++i) {
+    EXPECT_NEAR(half[i].training_loss, single[i].training_loss, 0.02 * single[i].training_loss) << i;
+  }
+  for (const torch::Tensor& tensor : state_of("half")) EXPECT_NE(tensor.scalar_type(), torch::kBFloat16);
+
+  NetworkTrainingRun stopped = run("parts");
+  stopped.stop_after_steps = 3;
+  train(options, stopped, network());
+  train(options, run("parts", Begin::from_checkpoint), network());
+  expect_same_state("half", "parts");
+}
+
 TEST_P(EveryArchitecture, ItsModelGivesTheAnswersOfTheValidation) {
   const std::vector<TrainingMetrics> metrics = train(short_training(), run(), network());
   const auto best =
@@ -267,6 +285,7 @@ TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
               HasSubstr("batch_size is 4, expected a multiple of shards, 3"));
   EXPECT_THAT(fault([](auto& o) { o.batch_size = 0; }), HasSubstr("batch_size"));
   EXPECT_THAT(fault([](auto& o) { o.optimiser = "lion"; }), HasSubstr("lion"));
+  EXPECT_THAT(fault([](auto& o) { o.precision = "half"; }), HasSubstr("half"));
   EXPECT_THAT(fault([](auto& o) { o.epochs = kNaN; }), HasSubstr("epochs"));
   EXPECT_THAT(fault([](auto& o) { o.learning_rate.warm_up = 2; }), HasSubstr("warm_up"));
   const CubeSamples none = made_up_samples(0);

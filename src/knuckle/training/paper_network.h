@@ -15,7 +15,7 @@ namespace knuckle {
 class PaperNetwork : public NetworkModule {
  public:
   torch::Tensor forward(const torch::Tensor& patches) override {
-    return layers_->forward(banks_->forward(patches));
+    return layers_->forward(to_compute(banks_->forward(patches))).to(patches.scalar_type());
   }
   void seed_dropout(std::uint64_t seed) override { layers_->seed_dropout(seed); }
 

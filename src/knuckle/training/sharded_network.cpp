@@ -24,6 +24,10 @@ ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed
   pieces_ = TensorPieces(parameters());
 }
 
+void ShardedNetwork::compute_in(torch::ScalarType type) {
+  for (const std::shared_ptr<NetworkModule>& shard : shards_) shard->compute_in(type);
+}
+
 double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
   std::vector<double> losses(shards_.size());
   parallel_for(std::ssize(shards_), [&](std::int64_t i) {

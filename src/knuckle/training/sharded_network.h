@@ -19,6 +19,9 @@ class ShardedNetwork {
  public:
   ShardedNetwork(const NetworkOptions& options, std::uint64_t seed, int shards, const torch::Device& device);
 
+  /// From now on `backward` multiplies in numbers of this type; weights, gradients and loss keep theirs.
+  void compute_in(torch::ScalarType type);
+
   /// The mean loss of a batch; `seed` names the random numbers of its dropout. Behind it the gradients of
   /// `parameters()` are those of the mean loss, summed in the order of the shards.
   double backward(TrainingBatch& batch, std::uint64_t seed);

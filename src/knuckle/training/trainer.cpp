@@ -86,6 +86,7 @@ Trainer::Trainer(const NetworkOptions& network, const NetworkTrainingOptions& op
       averaged_(make_network(network, options.seed)),
       optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options) {
   averaged_->eval();
+  if (options.precision == "bfloat16") network_.compute_in(torch::kBFloat16);
 }
 
 std::vector<TrainingMetrics> Trainer::train() {
