@@ -17,7 +17,7 @@ struct HandOptions {
   int max_hands = 1;           ///< Hands that the segmenter returns of a frame at most, [1, 16]
   /// Places of a frame that are tried where a pose is not sure, [1, 16]; no more than `max_hands`: none.
   int candidates = 1;
-  double sure_confidence = 0.35;  ///< A pose whose joints have less on average is not sure, [0, 1]
+  double sure_confidence = 0.45;  ///< A pose whose joints have less on average is not sure, [0, 1]
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }

@@ -162,14 +162,20 @@ double median_ms(std::span<const FrameEstimate> frames) {
 
 namespace {
 
-/// Of the best hand's joints, with three digits; null where there is no hand or the method gives none.
-nlohmann::ordered_json confidence_of(const FrameEstimate& frame) {
-  if (frame.hands.empty() || frame.hands.front().pose.confidence.empty()) return nullptr;
+/// Of a hand's joints, with three digits; null where there is no such hand or the method gives none.
+nlohmann::ordered_json confidence_of(const FrameEstimate& frame, std::size_t rank) {
+  if (rank >= frame.hands.size() || frame.hands[rank].pose.confidence.empty()) return nullptr;
   nlohmann::ordered_json confidence = nlohmann::ordered_json::array();
-  for (const double value : frame.hands.front().pose.confidence) {
+  for (const double value : frame.hands[rank].pose.confidence) {
     confidence.push_back(std::round(value * 1000.0) / 1000.0);
   }
   return confidence;
+}
+
+nlohmann::ordered_json confidences_of(std::span<const FrameEstimate> frames, std::size_t rank) {
+  nlohmann::ordered_json confidences = nlohmann::ordered_json::array();
+  for (const FrameEstimate& frame : frames) confidences.push_back(confidence_of(frame, rank));
+  return confidences;
 }
 
 }  // namespace
@@ -194,8 +200,12 @@ std::string summary_json(std::span<const FrameEstimate> frames, std::string_view
       summary["frames_without_hand"].push_back({{"frame", i}, {"reason", frames[i].reason}});
     }
   }
-  summary["confidence"] = nlohmann::ordered_json::array();
-  for (const FrameEstimate& frame : frames) summary["confidence"].push_back(confidence_of(frame));
+  summary["confidence"] = confidences_of(frames, 0);
+  std::size_t most_hands = 0;
+  for (const FrameEstimate& frame : frames) most_hands = std::max(most_hands, frame.hands.size());
+  for (std::size_t rank = 1; rank < most_hands; ++rank) {
+    summary[fmt::format("confidence.hand{}", rank + 1)] = confidences_of(frames, rank);
+  }
   return summary.dump(2) + "\n";
 }
 

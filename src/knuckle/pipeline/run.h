@@ -63,7 +63,8 @@ std::vector<HandPose> poses_of(std::span<const FrameEstimate> frames, const Conv
 double median_ms(std::span<const FrameEstimate> frames);
 
 /// Source, convention, counts, median times of each stage, the frames without a hand with the reason why, and
-/// for each frame the confidences of the best hand's joints (null where there are none).
+/// for each frame the confidences of the best hand's joints (null where there are none); those of other hands
+/// under `confidence.hand2` and so on.
 std::string summary_json(std::span<const FrameEstimate> frames, std::string_view source_name,
                          const Convention& convention);
 
