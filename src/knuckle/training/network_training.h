@@ -20,9 +20,8 @@ struct NetworkTrainingOptions {
   int batch_size = 64;              ///< Samples a step, [1, 65536]
   int shards = 4;                   ///< Parts of a batch that are worked on side by side, [1, 256]
   std::string optimiser = "adamw";  ///< adamw | sgd
-  /// single | bfloat16: the numbers that layers multiply and keep. With 16 bits training is faster on
-  /// processors that have instructions for them (AMX, most GPUs), and slower on others; weights and loss stay
-  /// `single`.
+  /// single | bfloat16: the numbers that layers multiply and keep. Training in 16 bits is faster on
+  /// processors that have instructions for them (AMX); weights and loss stay `single`.
   std::string precision = "single";
   double momentum = 0.9;         ///< sgd's, [0, 1)
   double weight_decay = 1e-4;    ///< [0, 1]
