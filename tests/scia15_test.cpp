@@ -22,6 +22,7 @@ using ::testing::Not;
 namespace fs = std::filesystem;
 
 constexpr const char* kScale = "0.01";
+constexpr const char* kScaleOfKills = "0.004";  // three runs, as quick as still trains each model
 constexpr int kKilled = 128 + SIGKILL;
 constexpr const char* kSequences[] = {"creative", "pico", "kinect_v2"};
 constexpr const char* kModels[] = {"segmentation_forest.h5", "pose_forest.h5", "heatmap2d.pt",
@@ -93,8 +94,8 @@ class Scia15Test : public ::testing::Test {
     }
   }
 
-  std::vector<std::string> command(const std::string& out) const {
-    return {"experiment", folder_ / "experiments/scia15.toml", "--scale", kScale, "--out", folder_ / out};
+  std::vector<std::string> command(const std::string& out, const char* scale) const {
+    return {"experiment", folder_ / "experiments/scia15.toml", "--scale", scale, "--out", folder_ / out};
   }
 
   void expect_whole(const fs::path& out) const {
@@ -128,11 +129,11 @@ class Scia15Test : public ::testing::Test {
 
 TEST_F(Scia15Test, IsWholeDoesNothingTwiceAndRedoesWhatHangsOnAChange) {
   const fs::path out = folder_ / "out";
-  ASSERT_THAT(run_program(command("out")), Succeeded());
+  ASSERT_THAT(run_program(command("out", kScale)), Succeeded());
   expect_whole(out);
 
   const auto before = write_times(out);
-  const ProgramRun again = run_program(command("out"));
+  const ProgramRun again = run_program(command("out", kScale));
   ASSERT_THAT(again, Succeeded());
   EXPECT_EQ(write_times(out), before);
   EXPECT_THAT(again.out, Not(HasSubstr("ing ")));
@@ -141,7 +142,7 @@ TEST_F(Scia15Test, IsWholeDoesNothingTwiceAndRedoesWhatHangsOnAChange) {
   std::string text = read_text_file(pipeline);
   text.replace(text.find("passes = 2"), 10, "passes = 1");
   write_text_file(pipeline, text);
-  ASSERT_THAT(run_program(command("out")), Succeeded());
+  ASSERT_THAT(run_program(command("out", kScale)), Succeeded());
   std::vector<std::string> redone;
   for (const auto& [name, time] : write_times(out)) {
     if (name.ends_with(".inputs") && time != before.at(name)) redone.push_back(name);
@@ -153,7 +154,7 @@ TEST_F(Scia15Test, IsWholeDoesNothingTwiceAndRedoesWhatHangsOnAChange) {
 }
 
 TEST_F(Scia15Test, KilledAtAnyMomentItEndsWithTheSameTables) {
-  ASSERT_THAT(run_program(command("whole")), Succeeded());
+  ASSERT_THAT(run_program(command("whole", kScaleOfKills)), Succeeded());
   const fs::path out = folder_ / "killed";
   const std::size_t all = steps_done(folder_ / "whole");
   // The trainings take most of the time, so most kills come in one of them.
@@ -171,12 +172,12 @@ TEST_F(Scia15Test, KilledAtAnyMomentItEndsWithTheSameTables) {
             moment = now + delay;
           return now >= moment;
         },
-        command("killed"));
+        command("killed", kScaleOfKills));
     killed += run.status == kKilled ? 1 : 0;
     EXPECT_THAT(processes_left_with(out.string()), IsEmpty()) << "a child outlived the program";
   }
   EXPECT_GE(killed, 1) << "the program ended before it could be killed";
-  ASSERT_THAT(run_program(command("killed")), Succeeded());
+  ASSERT_THAT(run_program(command("killed", kScaleOfKills)), Succeeded());
   EXPECT_EQ(results(out), results(folder_ / "whole"));
 }
 
