@@ -31,10 +31,6 @@ void ArchiveWriter::write(const std::string& name, const std::vector<torch::Tens
   }
 }
 
-void ArchiveWriter::write(const std::string& name, torch::serialize::OutputArchive& part) {
-  archive_.write(name, part);
-}
-
 void ArchiveWriter::save(const std::filesystem::path& path) {
   save_archive(path, archive_);
 }
@@ -55,7 +51,7 @@ void save_archive(const std::filesystem::path& path, torch::serialize::OutputArc
   });
 }
 
-ArchiveReader::ArchiveReader(const std::filesystem::path& path, std::string_view format, int newest_version)
+ArchiveReader::ArchiveReader(const std::filesystem::path& path, std::string_view format, int version)
     : path_(path.string()) {
   if (!std::filesystem::is_regular_file(path)) fail("{}: cannot read: no such file", path_);
   try {
@@ -67,9 +63,8 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& path, std::string_view
   if (!archive_.try_read("format", found) || !found.isString() || found.toStringRef() != format) {
     fail("{}: a LibTorch archive, but none of the format {}", path_, format);
   }
-  const double version = number("version");
-  if (!(version >= 1 && version <= newest_version)) {
-    fail("{}: version {} of the format {}, expected at most {}", path_, version, format, newest_version);
+  if (const double written = number("version"); written != version) {
+    fail("{}: version {} of the format {}, expected {}", path_, written, format, version);
   }
 }
 
@@ -91,13 +86,6 @@ double ArchiveReader::number(const std::string& name) {
   const c10::IValue found = value(name);
   if (!found.isDouble()) fail("{}: {} is no number", path_, name);
   return found.toDouble();
-}
-
-torch::serialize::InputArchive ArchiveReader::part(const std::string& name) {
-  torch::serialize::InputArchive part;
-  const bool is_there = with_clear_errors(path_ + ": " + name, [&] { return archive_.try_read(name, part); });
-  if (!is_there) fail("{}: {} is missing", path_, name);
-  return part;
 }
 
 std::vector<torch::Tensor> ArchiveReader::tensors(const std::string& name) {

@@ -25,7 +25,6 @@ class ArchiveWriter {
   void write(const std::string& name, const std::string& text);
   void write(const std::string& name, double number);
   void write(const std::string& name, const std::vector<torch::Tensor>& tensors);
-  void write(const std::string& name, torch::serialize::OutputArchive& part);
   /// As `save_archive`.
   void save(const std::filesystem::path& path);
 
@@ -36,14 +35,12 @@ class ArchiveWriter {
 /// Reads what ArchiveWriter wrote. All faults are Errors of one line that name the file.
 class ArchiveReader {
  public:
-  ArchiveReader(const std::filesystem::path& path, std::string_view format, int newest_version);
+  ArchiveReader(const std::filesystem::path& path, std::string_view format, int version);
   std::string text(const std::string& name);
   double number(const std::string& name);
   std::vector<torch::Tensor> tensors(const std::string& name);
   /// Copies the list into existing tensors. Throws where number or shapes differ, or a value is not finite.
   void copy_into(const std::string& name, const std::vector<torch::Tensor>& tensors);
-
-  torch::serialize::InputArchive part(const std::string& name);
 
  private:
   c10::IValue value(const std::string& name);
