@@ -32,7 +32,7 @@ TEST_F(TrainingConfigTest, TheWholeAsksForTheSame) {
   const auto original = NetworkConfig::load(resource_path("pipelines/train_pca.toml"));
   const auto config = scaled<NetworkConfig>("network", "pipelines/train_pca.toml", 1.0);
   EXPECT_EQ(network_options_as_toml(config.network), network_options_as_toml(original.network));
-  EXPECT_THAT(read_text_file(training_.config), HasSubstr("epochs = 4"));
+  EXPECT_THAT(read_text_file(training_.config), HasSubstr("epochs = 2.125"));
   EXPECT_TRUE(std::filesystem::equivalent(parse_source_spec(config.source).path,
                                           parse_source_spec(original.source).path));
 }
@@ -40,7 +40,7 @@ TEST_F(TrainingConfigTest, TheWholeAsksForTheSame) {
 TEST_F(TrainingConfigTest, ANetworkBecomesSmall) {
   const auto config = scaled<NetworkConfig>("network", "pipelines/train_regression.toml", 0.01);
   const std::string text = read_text_file(training_.config);
-  EXPECT_THAT(text, HasSubstr("most = 1000"));
+  EXPECT_THAT(text, HasSubstr("most = 2000"));
   EXPECT_THAT(text, HasSubstr("epochs = 1.0\n"));
   EXPECT_EQ(config.network.paper.hidden_units, 410);
   EXPECT_EQ(config.network.paper.subspace_units, 20) << "what is learned stays the same";
