@@ -257,6 +257,25 @@ TEST_F(BadInputTest, OutputThatCannotBeWrittenLeavesNothing) {
   }
 }
 
+TEST_F(BadInputTest, OutputThatCannotBeWrittenIsSaidBeforeTheWork) {
+  // There is no such source either, which would be said first by whatever began to work.
+  const std::string nowhere = path("none/out");
+  const std::string source = "folder:" + path("missing");
+  for (const char* verb : {"segment", "estimate"}) {
+    EXPECT_THAT(run_program({verb, "--source", source, "--out", nowhere}), FailedWith(nowhere));
+    EXPECT_THAT(run_program({verb, "--source", source, "--out", path("out"), "--json", nowhere}),
+                FailedWith(nowhere));
+  }
+  write_text_file(path("network.toml"), "source = '" + source + "'\nvalidation = '" + source + "'\n");
+  write_text_file(path("forest.toml"), "source = '" + source + "'\n");
+  for (const auto& [kind, config] :
+       {std::pair("pose-forest", "forest.toml"), std::pair("segmentation-forest", "forest.toml"),
+        std::pair("network", "network.toml")}) {
+    EXPECT_THAT(run_program({"train", kind, "--config", path(config), "--out", nowhere}), FailedWith(nowhere))
+        << kind;
+  }
+}
+
 TEST_F(BadInputTest, AFullDiskLeavesNothingUnderTheFinalName) {
   make_folder(path("out"));
   EXPECT_THAT(run_program_on_full_disk(

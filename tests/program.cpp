@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -81,6 +82,15 @@ ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string
   std::vector<std::string> command = {"bash", "-c", limited, "bash", KNUCKLE_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return run_command(std::move(command));
+}
+
+std::vector<std::string> error_lines(const ProgramRun& run) {
+  std::istringstream text(run.error);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) {
+    if (line.find(", time left ") == std::string::npos) lines.push_back(line);
+  }
+  return lines;
 }
 
 std::vector<std::string> entries_of(const std::filesystem::path& folder) {

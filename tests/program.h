@@ -36,11 +36,14 @@ MATCHER(Succeeded, "") {
   return arg.status == 0;
 }
 
-/// Matches a run that ended with status 1 and exactly one line of error output that holds `part`.
+/// What a run printed as errors, without the lines of progress that a slow machine adds.
+std::vector<std::string> error_lines(const ProgramRun& run);
+
+/// Matches a run that ended with status 1 and exactly one line of error that holds `part`.
 MATCHER_P(FailedWith, part, "") {
   *result_listener << "status " << arg.status << ", error output: " << arg.error;
-  const bool is_one_line = std::count(arg.error.begin(), arg.error.end(), '\n') == 1;
-  return arg.status == 1 && is_one_line && arg.error.find(part) != std::string::npos;
+  const std::vector<std::string> lines = error_lines(arg);
+  return arg.status == 1 && lines.size() == 1 && lines[0].find(part) != std::string::npos;
 }
 
 /// Names of what lies in a folder, hidden files included; empty where there is no such folder.

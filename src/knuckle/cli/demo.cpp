@@ -37,6 +37,7 @@ Report report_of(const FrameSource& source, const std::string& name, std::span<c
 }
 
 void run_demo(const DemoArguments& arguments) {
+  make_folder(arguments.out);
   const std::string name = "synthetic:" + resource_path("manifests/demo.toml").string();
   const auto pipeline_path = resource_path("pipelines/default.toml");
   const auto source = open_source(name);

@@ -27,6 +27,8 @@ std::filesystem::path path_of_hand(const std::filesystem::path& out, int hand) {
 }
 
 void run_estimate(const EstimateArguments& arguments) {
+  check_writable(arguments.out);
+  if (!arguments.json.empty()) check_writable(arguments.json);
   const auto source = open_source(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
   const std::vector<FrameEstimate> frames =

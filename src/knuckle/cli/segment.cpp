@@ -19,6 +19,8 @@ struct SegmentArguments {
 };
 
 void run_segment(const SegmentArguments& arguments) {
+  check_writable(arguments.out);
+  if (!arguments.json.empty()) check_writable(arguments.json);
   const auto source = open_source(arguments.source);
   const HandFinder finder = HandFinder::load(arguments.pipeline);
   const std::vector<FrameSegmentation> frames =

@@ -6,6 +6,7 @@
 #include "knuckle/cli/network_arguments.h"
 #include "knuckle/cli/sibling_program.h"
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/file_io.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/pose_forest_training.h"
 #include "knuckle/pipeline/segmentation_forest_training.h"
@@ -29,6 +30,7 @@ std::filesystem::path checkpoint_of(const TrainArguments& arguments) {
 }
 
 void train_pose_forest(const TrainArguments& arguments) {
+  check_writable(arguments.out);
   const auto config = PoseForestTrainingConfig::load(arguments.config);
   const Stopwatch watch;
   const PoseForestTraining training = run_training(config, checkpoint_of(arguments));
@@ -41,6 +43,7 @@ void train_pose_forest(const TrainArguments& arguments) {
 }
 
 void train_segmentation_forest(const TrainArguments& arguments) {
+  check_writable(arguments.out);
   const auto config = SegmentationForestTrainingConfig::load(arguments.config);
   const Stopwatch watch;
   TrainingRun run{.checkpoint = checkpoint_of(arguments)};

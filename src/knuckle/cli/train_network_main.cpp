@@ -67,8 +67,8 @@ NetworkTrainingRun run_of(const NetworkArguments& arguments) {
 
 void train_network(const NetworkArguments& arguments) {
   const auto config = NetworkTrainingConfig::load(arguments.config);
+  check_writable(arguments.out);
   const NetworkTrainingRun run = run_of(arguments);
-  // First: a folder that cannot be written to ends it here.
   write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
   const NetworkTrainingResult result = run_network_training(config, run, arguments.cache);

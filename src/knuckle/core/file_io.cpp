@@ -91,6 +91,13 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
   });
 }
 
+void check_writable(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) fail("{}: cannot write: it is a folder", path.string());
+  const TemporaryFile temporary{temporary_name(path)};
+  errno = 0;
+  if (!std::ofstream(temporary.path)) fail("{}: cannot write: {}", path.string(), system_message(errno));
+}
+
 void make_folder(const std::filesystem::path& folder) {
   std::error_code fault;
   std::filesystem::create_directories(folder, fault);

@@ -29,6 +29,10 @@ void publish_file(const std::filesystem::path& temporary, const std::filesystem:
 /// Writes `text` as a file, atomically.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
+/// Throws an Error that names `path` where no file can be written there: for the beginning of long work, so
+/// that its result is not lost at the end. Leaves nothing behind, and a file of that name as it is.
+void check_writable(const std::filesystem::path& path);
+
 /// Makes the folder and those above it. Throws an Error that names it.
 void make_folder(const std::filesystem::path& folder);
 

@@ -55,6 +55,19 @@ TEST(FileIoTest, AnUnwritableFolderIsNamedAndNothingIsLeft) {
   EXPECT_THAT(error_of([] { make_folder("/proc/knuckle/out"); }), HasSubstr("/proc/knuckle/out"));
 }
 
+TEST(FileIoTest, WhetherAFileCanBeWrittenIsKnownBefore) {
+  const TemporaryFolder folder;
+  check_writable(folder / "new.txt");
+  EXPECT_EQ(entries_in(folder.path()), 0u);
+  write_text_file(folder / "old.txt", "former");
+  check_writable(folder / "old.txt");
+  EXPECT_EQ(read_text_file(folder / "old.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+  EXPECT_THAT(error_of([&] { check_writable(folder.path()); }), HasSubstr("it is a folder"));
+  EXPECT_THAT(error_of([&] { check_writable(folder / "none/new.txt"); }),
+              HasSubstr("new.txt: cannot write: No such file or directory"));
+}
+
 TEST(FileIoTest, ADiskThatFillsUpLeavesTheFormerFileAndNothingElse) {
   const TemporaryFolder folder;
   write_text_file(folder / "file.txt", "former");
