@@ -43,7 +43,8 @@ std::vector<std::string> error_lines(const ProgramRun& run);
 MATCHER_P(FailedWith, part, "") {
   *result_listener << "status " << arg.status << ", error output: " << arg.error;
   const std::vector<std::string> lines = error_lines(arg);
-  return arg.status == 1 && lines.size() == 1 && lines[0].find(part) != std::string::npos;
+  const bool is_one_line = lines.size() == 1 && arg.error.ends_with('\n');
+  return arg.status == 1 && is_one_line && lines[0].find(part) != std::string::npos;
 }
 
 /// Names of what lies in a folder, hidden files included; empty where there is no such folder.
