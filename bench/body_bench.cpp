@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include "knuckle/synth/body_shape.h"
-#include "knuckle/synth/makehuman_import.h"
-#include "knuckle/synth/skinning.h"
+#include "knuckle/hand/skinning.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
+#include "knuckle/synth/people/body_shape.h"
 
 namespace knuckle {
 namespace {

@@ -16,17 +16,18 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/eval/figures.h"
-#include "knuckle/synth/body_shape.h"
-#include "knuckle/synth/hand_distance.h"
-#include "knuckle/synth/hand_rig.h"
-#include "knuckle/synth/makehuman_import.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/eval/pictures/figures.h"
+#include "knuckle/hand/hand_distance.h"
+#include "knuckle/hand/hand_rig.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
-#include "knuckle/synth/motion.h"
-#include "knuckle/synth/people.h"
+#include "knuckle/synth/people/body_shape.h"
+#include "knuckle/synth/people/people.h"
+#include "knuckle/synth/pose/motion.h"
 
 namespace knuckle {
 namespace {

@@ -4,14 +4,14 @@
 #include <benchmark/benchmark.h>
 
 #include "knuckle/core/resources.h"
-#include "knuckle/synth/body_shape.h"
-#include "knuckle/synth/makehuman_import.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
-#include "knuckle/synth/motion.h"
-#include "knuckle/synth/rasteriser.h"
-#include "knuckle/synth/sensor.h"
-#include "knuckle/synth/sensor_presets.h"
-#include "knuckle/synth/surface_angle.h"
+#include "knuckle/synth/people/body_shape.h"
+#include "knuckle/synth/pose/motion.h"
+#include "knuckle/synth/render/rasteriser.h"
+#include "knuckle/synth/render/surface_angle.h"
+#include "knuckle/synth/sensor/sensor.h"
+#include "knuckle/synth/sensor/sensor_presets.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {

@@ -20,8 +20,11 @@ add_library(knuckle_opencv INTERFACE IMPORTED GLOBAL)
 target_include_directories(knuckle_opencv INTERFACE ${OPENCV_INCLUDE_FOLDER})
 foreach(module core imgproc imgcodecs)
   find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
-  target_link_libraries(knuckle_opencv INTERFACE ${OPENCV_${module}_LIBRARY})
 endforeach()
+target_link_libraries(knuckle_opencv INTERFACE ${OPENCV_core_LIBRARY} ${OPENCV_imgproc_LIBRARY})
+# Reading and writing PNG files loads a hundred libraries: only who does that links them.
+add_library(knuckle_opencv_codecs INTERFACE IMPORTED GLOBAL)
+target_link_libraries(knuckle_opencv_codecs INTERFACE knuckle_opencv ${OPENCV_imgcodecs_LIBRARY})
 
 # HDF5 exports variables, not usage requirements.
 add_library(knuckle_hdf5 INTERFACE IMPORTED GLOBAL)

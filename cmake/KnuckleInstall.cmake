@@ -8,6 +8,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/knuckle)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/knuckle)
 
 list(TRANSFORM KNUCKLE_MODULES PREPEND knuckle_ OUTPUT_VARIABLE libraries)
+list(APPEND libraries knuckle_readers knuckle_writers)
 install(TARGETS ${libraries} EXPORT knuckleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -6,12 +6,13 @@ function(knuckle_group_sources target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${KNUCKLE_UNITY} UNITY_BUILD_BATCH_SIZE 5)
 endfunction()
 
-# knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...])
+# knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...] [TESTED_WITH target ...])
 #
 # Makes the library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
-# DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those only its sources use.
+# DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those only its sources use; TESTED_WITH what
+# its tests use besides.
 function(knuckle_add_module name)
-  cmake_parse_arguments(module "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE;TESTS" ${ARGN})
+  cmake_parse_arguments(module "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE;TESTS;TESTED_WITH" ${ARGN})
   list(TRANSFORM module_DEPENDS PREPEND knuckle_)
   add_library(knuckle_${name} STATIC ${module_SOURCES})
   target_include_directories(knuckle_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
@@ -22,7 +23,8 @@ function(knuckle_add_module name)
   if(module_TESTS)
     add_executable(knuckle_${name}_test ${module_TESTS})
     knuckle_group_sources(knuckle_${name}_test)
-    target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${name} knuckle_test_main knuckle_warnings)
+    target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${name} knuckle_test_main ${module_TESTED_WITH}
+                          knuckle_warnings)
     gtest_discover_tests(knuckle_${name}_test TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
                          WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   endif()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The `.h5` file of a body, as knuckle reads and writes it (src/knuckle/synth/body_file.h)."""
+"""The `.h5` file of a body, as knuckle reads and writes it (src/knuckle/hand/body_file.h)."""
 import os
 
 import knuckle_body as kb

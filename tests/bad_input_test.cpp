@@ -2,10 +2,11 @@
 // Bad input ends with status 1 and one line that names file and fault; nothing half-written stays.
 #include "program.h"
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/hdf5_file.h"
-#include "knuckle/core/image_io.h"
 #include "knuckle/core/random.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle::testing {
 namespace {

@@ -2,7 +2,8 @@
 // `knuckle experiment`: from data to report, and only what must be redone.
 #include "program.h"
 
-#include "knuckle/core/file_io.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

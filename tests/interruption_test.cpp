@@ -7,7 +7,8 @@
 
 #include <sys/mount.h>
 
-#include "knuckle/core/file_io.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

@@ -2,8 +2,9 @@
 // Networks, from training to poses, and their faults, through the real program.
 #include "program.h"
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/image_io.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

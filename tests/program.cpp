@@ -11,7 +11,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include "knuckle/core/file_io.h"
+#include "knuckle/core/text_file.h"
 
 extern char** environ;
 

@@ -7,9 +7,10 @@
 #include <map>
 #include <thread>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/random.h"
 #include "knuckle/core/text.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

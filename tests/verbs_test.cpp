@@ -4,8 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/image_io.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

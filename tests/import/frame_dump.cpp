@@ -17,15 +17,15 @@
 #include <CLI/CLI.hpp>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/parallel.h"
-#include "knuckle/synth/body_file.h"
-#include "knuckle/synth/body_rig.h"
-#include "knuckle/synth/makehuman_import.h"
+#include "knuckle/hand/body_file.h"
+#include "knuckle/hand/body_rig.h"
+#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
-#include "knuckle/synth/motion.h"
-#include "knuckle/synth/people.h"
-#include "knuckle/synth/rasteriser.h"
+#include "knuckle/synth/people/people.h"
+#include "knuckle/synth/pose/motion.h"
+#include "knuckle/synth/render/rasteriser.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/eval/poses_file.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/data/poses_file.h"
 #include "knuckle/pipeline/run.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
 namespace {

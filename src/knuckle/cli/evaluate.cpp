@@ -3,13 +3,13 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/eval/boxes_file.h"
-#include "knuckle/eval/evaluation.h"
-#include "knuckle/eval/gallery.h"
-#include "knuckle/eval/report.h"
-#include "knuckle/eval/score_files.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/data/boxes_file.h"
+#include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/score_files.h"
+#include "knuckle/eval/pictures/gallery.h"
+#include "knuckle/eval/report/report.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
 namespace {

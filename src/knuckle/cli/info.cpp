@@ -7,7 +7,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/text.h"
 #include "knuckle/estimate/create_estimator.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/segmenter_factory.h"
 

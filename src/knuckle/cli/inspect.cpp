@@ -3,14 +3,14 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/image_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/eval/drawing.h"
-#include "knuckle/eval/hand_statistics.h"
-#include "knuckle/eval/panels.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/eval/metrics/hand_statistics.h"
+#include "knuckle/eval/pictures/drawing.h"
+#include "knuckle/eval/pictures/panels.h"
 #include "knuckle/pipeline/hand_finder.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
 
 namespace knuckle::cli {
 namespace {

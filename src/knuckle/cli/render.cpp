@@ -3,12 +3,12 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/image_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
-#include "knuckle/data/frame_writer.h"
-#include "knuckle/eval/contact_sheet.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/data/writers/frame_writer.h"
+#include "knuckle/eval/pictures/contact_sheet.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/synthetic_source.h"
 

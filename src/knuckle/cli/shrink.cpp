@@ -5,9 +5,9 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/segment/segmentation_forest.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle::cli {
 namespace {

@@ -6,12 +6,12 @@
 #include "knuckle/cli/network_arguments.h"
 #include "knuckle/cli/sibling_program.h"
 #include "knuckle/cli/verb.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/forest/forest_growth.h"
-#include "knuckle/pipeline/pose_forest_training.h"
-#include "knuckle/pipeline/segmentation_forest_training.h"
 #include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/prepare/pose_forest_training.h"
+#include "knuckle/prepare/segmentation_forest_training.h"
 #include "knuckle/segment/segmentation_forest.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
 namespace {

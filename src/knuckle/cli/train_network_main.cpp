@@ -7,10 +7,10 @@
 
 #include "knuckle/cli/network_arguments.h"
 #include "knuckle/cli/verb.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/eval/figures.h"
+#include "knuckle/eval/pictures/figures.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/training/network_training_config.h"
 
 namespace knuckle::cli {

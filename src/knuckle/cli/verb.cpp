@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/pipeline/run.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <toml++/toml.h>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/option_reader.h"
 #include "knuckle/core/text.h"
+#include "knuckle/core/text_file.h"
 
 namespace knuckle {
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/estimate_testing.h"
 #include "knuckle/estimate/pose_forest.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

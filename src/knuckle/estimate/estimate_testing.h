@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "knuckle/core/random.h"
-#include "knuckle/estimate/train_pose_forest.h"
+#include "knuckle/prepare/train_pose_forest.h"
 
 namespace knuckle::testing {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/estimate/network_estimator.h"
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file_testing.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

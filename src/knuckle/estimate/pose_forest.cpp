@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/hdf5_file.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/estimate_testing.h"
-#include "knuckle/estimate/train_pose_forest.h"
+#include "knuckle/prepare/train_pose_forest.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -9,7 +9,7 @@
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/experiment/network_config.h"
 #include "knuckle/net/pose_network.h"
-#include "knuckle/pipeline/pose_forest_training.h"
+#include "knuckle/prepare/pose_forest_training.h"
 #include "knuckle/segment/segmentation_forest.h"
 
 namespace knuckle {

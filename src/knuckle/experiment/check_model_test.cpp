@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/check_model.h"
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

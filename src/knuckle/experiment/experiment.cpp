@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/options.h"
-#include "knuckle/eval/poses_file.h"
+#include "knuckle/data/poses_file.h"
 #include "knuckle/experiment/check_model.h"
 #include "knuckle/experiment/layout.h"
 #include "knuckle/experiment/report_page.h"
@@ -16,9 +15,10 @@
 #include "knuckle/experiment/step.h"
 #include "knuckle/experiment/training_config.h"
 #include "knuckle/experiment/training_record.h"
-#include "knuckle/pipeline/open_source.h"
 #include "knuckle/pipeline/run.h"
 #include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

@@ -2,7 +2,7 @@
 #include "knuckle/experiment/network_config.h"
 
 #include "knuckle/core/options.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
 
 namespace knuckle {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/text.h"
-#include "knuckle/eval/report_sections.h"
+#include "knuckle/eval/report/report_sections.h"
 
 namespace knuckle {
 namespace {

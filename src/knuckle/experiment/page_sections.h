@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/eval/report.h"
+#include "knuckle/eval/report/report.h"
 #include "knuckle/experiment/claims.h"
 #include "knuckle/experiment/plan.h"
 #include "knuckle/experiment/scores.h"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "knuckle/eval/score_figures.h"
+#include "knuckle/eval/pictures/score_figures.h"
 
 namespace knuckle {
 namespace {

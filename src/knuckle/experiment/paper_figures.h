@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "knuckle/eval/figures.h"
+#include "knuckle/eval/pictures/figures.h"
 #include "knuckle/experiment/scores.h"
 
 namespace knuckle {

@@ -13,7 +13,7 @@
 #include "knuckle/core/options.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
 
 namespace knuckle {
 namespace {

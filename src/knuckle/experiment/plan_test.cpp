@@ -2,8 +2,8 @@
 #include "knuckle/experiment/plan.h"
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/eval/report_sections.h"
+#include "knuckle/eval/report/report_sections.h"
 #include "knuckle/experiment/claims.h"
 #include "knuckle/experiment/page_sections.h"
 #include "knuckle/experiment/paper_figures.h"
 #include "knuckle/experiment/scores.h"
 #include "knuckle/experiment/tables.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

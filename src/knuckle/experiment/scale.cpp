@@ -8,7 +8,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/data/source_spec.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
 #include "knuckle/synth/manifest.h"
 
 namespace knuckle {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/scale.h"
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/eval/boxes_file.h"
-#include "knuckle/pipeline/open_source.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/boxes_file.h"
+#include "knuckle/prepare/open_source.h"
 
 namespace knuckle {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/eval/report.h"
+#include "knuckle/eval/report/report.h"
 #include "knuckle/experiment/layout.h"
 #include "knuckle/experiment/plan.h"
 #include "knuckle/experiment/training_record.h"

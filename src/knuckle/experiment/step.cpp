@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/step.h"
 
-#include "knuckle/core/file_io.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

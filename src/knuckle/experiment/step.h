@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "knuckle/pipeline/inputs.h"
+#include "knuckle/prepare/inputs.h"
 
 namespace knuckle {
 

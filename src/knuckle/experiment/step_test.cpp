@@ -4,8 +4,9 @@
 #include <stdexcept>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

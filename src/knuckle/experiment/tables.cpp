@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "knuckle/eval/score_files.h"
+#include "knuckle/eval/metrics/score_files.h"
 
 namespace knuckle {
 namespace {

@@ -9,12 +9,13 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "knuckle/core/file_io.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/data/source_spec.h"
 #include "knuckle/experiment/network_config.h"
 #include "knuckle/experiment/scale.h"
-#include "knuckle/pipeline/pose_forest_training.h"
-#include "knuckle/pipeline/segmentation_forest_training.h"
+#include "knuckle/prepare/pose_forest_training.h"
+#include "knuckle/prepare/segmentation_forest_training.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/synth/manifest.h"
 
 namespace knuckle {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/training_config.h"
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/data/source_spec.h"
 #include "knuckle/experiment/network_config.h"
-#include "knuckle/pipeline/pose_forest_training.h"
-#include "knuckle/pipeline/segmentation_forest_training.h"
+#include "knuckle/prepare/pose_forest_training.h"
+#include "knuckle/prepare/segmentation_forest_training.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/synth/manifest.h"
 
 namespace knuckle::testing {

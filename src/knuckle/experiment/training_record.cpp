@@ -10,9 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/text.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/experiment/layout.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

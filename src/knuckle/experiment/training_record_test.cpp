@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/training_record.h"
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {

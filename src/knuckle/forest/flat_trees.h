@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/forest/tree_grower.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/forest/forest_growth.h"
 
+#include "knuckle/storage/file_io.h"
+
 namespace knuckle {
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& fingerprint,

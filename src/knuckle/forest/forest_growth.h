@@ -12,11 +12,10 @@
 #include <string_view>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/tree_grower.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 

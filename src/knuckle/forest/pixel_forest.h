@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "knuckle/core/camera.h"
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/image.h"
 #include "knuckle/forest/depth_offsets.h"
 #include "knuckle/forest/flat_trees.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 

@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/leaf_coding.h"
 #include "knuckle/forest/leaf_table.h"
 #include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/training_samples.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 

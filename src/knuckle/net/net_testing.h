@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "knuckle/core/random.h"
-#include "knuckle/net/cube_samples.h"
-#include "knuckle/net/cube_view.h"
 #include "knuckle/net/network_options.h"
+#include "knuckle/prepare/cube_samples.h"
+#include "knuckle/prepare/cube_view.h"
 
 namespace knuckle::testing {
 

@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/net/zip_reader.h"
+#include "knuckle/storage/zip_reader.h"
 
 namespace knuckle {
 namespace {

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file_testing.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second look is a look around the joints that the first one found.
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file_testing.h"
 #include "knuckle/net/pose_network.h"
 #include "knuckle/pipeline/pipeline.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {

@@ -4,13 +4,13 @@
 #include <fstream>
 #include <limits>
 
-#include "knuckle/core/hdf5_file.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/forest/pixel_forest_trainer.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/segmenter_factory.h"
 #include "knuckle/segment/testing.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/image_io.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/image_io.h"
 #include "knuckle/segment/mean_shift_segmenter.h"
 #include "knuckle/segment/threshold_segmenter.h"
 

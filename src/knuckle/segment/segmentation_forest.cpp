@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
-#include "knuckle/core/hdf5_file.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "knuckle/synth/sensor_presets.h"
+#include "knuckle/synth/sensor/sensor_presets.h"
 
 namespace knuckle {
 namespace {

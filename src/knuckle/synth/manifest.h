@@ -6,10 +6,10 @@
 #include <string>
 
 #include "knuckle/core/camera.h"
-#include "knuckle/synth/hand_sampler.h"
-#include "knuckle/synth/motion.h"
-#include "knuckle/synth/placement.h"
-#include "knuckle/synth/sensor.h"
+#include "knuckle/synth/pose/hand_sampler.h"
+#include "knuckle/synth/pose/motion.h"
+#include "knuckle/synth/scene/placement.h"
+#include "knuckle/synth/sensor/sensor.h"
 
 namespace knuckle {
 

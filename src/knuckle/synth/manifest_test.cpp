@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <set>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {

@@ -11,12 +11,12 @@
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/synth/body_file.h"
-#include "knuckle/synth/makehuman_import.h"
-#include "knuckle/synth/people.h"
-#include "knuckle/synth/rasteriser.h"
-#include "knuckle/synth/surface_angle.h"
-#include "knuckle/synth/view_culling.h"
+#include "knuckle/hand/body_file.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
+#include "knuckle/synth/people/people.h"
+#include "knuckle/synth/render/rasteriser.h"
+#include "knuckle/synth/render/surface_angle.h"
+#include "knuckle/synth/render/view_culling.h"
 
 namespace knuckle {
 namespace {

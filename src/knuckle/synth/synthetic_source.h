@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "knuckle/data/frame_source.h"
-#include "knuckle/synth/body.h"
+#include "knuckle/hand/body.h"
 #include "knuckle/synth/manifest.h"
 
 namespace knuckle {

@@ -6,8 +6,8 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
-#include "knuckle/synth/sensor_presets.h"
-#include "knuckle/synth/testing_body.h"
+#include "knuckle/hand/testing_body.h"
+#include "knuckle/synth/sensor/sensor_presets.h"
 
 namespace knuckle {
 namespace {

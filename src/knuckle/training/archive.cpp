@@ -6,7 +6,7 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/file_io.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <torch/types.h>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 
 namespace knuckle {
 namespace {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "knuckle/net/cube_samples.h"
-#include "knuckle/net/cube_view.h"
+#include "knuckle/prepare/cube_samples.h"
+#include "knuckle/prepare/cube_view.h"
 
 namespace knuckle {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/net/cube_samples.h"
-#include "knuckle/net/cube_view.h"
 #include "knuckle/net/network_options.h"
+#include "knuckle/prepare/cube_samples.h"
+#include "knuckle/prepare/cube_view.h"
 #include "knuckle/training/learning_rate.h"
 
 namespace knuckle {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "knuckle/core/error.h"
-#include "knuckle/pipeline/open_source.h"
-#include "knuckle/pipeline/sample_cache.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/prepare/sample_cache.h"
 
 namespace knuckle {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "knuckle/pipeline/hand_finder.h"
-#include "knuckle/pipeline/inputs.h"
-#include "knuckle/pipeline/network_samples.h"
+#include "knuckle/prepare/inputs.h"
+#include "knuckle/prepare/network_samples.h"
 #include "knuckle/training/network_training.h"
 
 namespace knuckle {

@@ -7,12 +7,13 @@
 #include <torch/cuda.h>
 #include <torch/utils.h>
 
-#include "knuckle/core/file_io.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file.h"
 #include "knuckle/net/pose_network.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/training/archive.h"
 #include "knuckle/training/network_writer.h"
 #include "knuckle/training/training_testing.h"

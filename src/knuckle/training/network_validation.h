@@ -4,7 +4,7 @@
 
 #include <torch/types.h>
 
-#include "knuckle/net/cube_samples.h"
+#include "knuckle/prepare/cube_samples.h"
 #include "knuckle/training/network_module.h"
 #include "knuckle/training/network_training.h"
 

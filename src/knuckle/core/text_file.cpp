@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/text_file.h"
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+
+std::string read_text_file(const std::filesystem::path& path) {
+  errno = 0;
+  if (std::filesystem::is_directory(path)) fail("{}: expected a file, found a folder", path.string());
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail("{}: cannot read: {}", path.string(), std::generic_category().message(errno));
+  std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  if (stream.bad()) fail("{}: cannot read: {}", path.string(), std::generic_category().message(errno));
+  return text;
+}
+
+std::vector<std::string> read_lines(const std::filesystem::path& path) {
+  const std::string text = read_text_file(path);
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const bool has_return = end > begin && text[end - 1] == '\r';
+    lines.push_back(text.substr(begin, end - begin - (has_return ? 1 : 0)));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace knuckle

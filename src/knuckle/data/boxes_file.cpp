@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/boxes_file.h"
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
+#include "knuckle/core/text_file.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::string_view kHeader = "frame,found,x,y,width,height,milliseconds";
+constexpr std::size_t kColumns = 7;
+
+int whole_number(std::string_view text, long long low, std::string_view where) {
+  const long long value = parse_integer(text, where);
+  if (value < low || value > std::numeric_limits<std::int32_t>::max()) {
+    fail("{}: {} is not in [{}, {}]", where, value, low, std::numeric_limits<std::int32_t>::max());
+  }
+  return static_cast<int>(value);
+}
+
+Box box_in(std::string_view line, std::size_t frame, std::string_view where) {
+  const std::vector<std::string_view> fields = split(line, ',');
+  if (fields.size() != kColumns) fail("{}: {} columns, expected {}", where, fields.size(), kHeader);
+  if (parse_integer(fields[0], where) != static_cast<long long>(frame)) {
+    fail("{}: frame {}, expected {}", where, fields[0], frame);
+  }
+  const int found = whole_number(fields[1], 0, where);
+  if (found > 1) fail("{}: found is {}, expected 0 or 1", where, found);
+  if (found == 0) return {};
+  constexpr long long kAnywhere = -1'000'000;
+  const Box box{whole_number(fields[2], kAnywhere, where), whole_number(fields[3], kAnywhere, where),
+                whole_number(fields[4], 1, where), whole_number(fields[5], 1, where)};
+  return box;
+}
+
+}  // namespace
+
+std::vector<Box> read_boxes_file(const std::filesystem::path& path) {
+  const std::vector<std::string> lines = read_lines(path);
+  if (lines.empty() || trimmed(lines[0]) != kHeader) {
+    fail("{}: no boxes, expected a first line {}", path.string(), kHeader);
+  }
+  std::vector<Box> boxes;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (trimmed(lines[i]).empty()) continue;
+    boxes.push_back(box_in(lines[i], boxes.size(), fmt::format("{}:{}", path.string(), i + 1)));
+  }
+  return boxes;
+}
+
+}  // namespace knuckle

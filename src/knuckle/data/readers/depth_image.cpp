@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/depth_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "knuckle/data/readers/image_io.h"
+
+namespace knuckle {
+
+Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm) {
+  Image<float> depth_mm(counts.width(), counts.height());
+  std::ranges::transform(counts.pixels(), depth_mm.pixels().begin(),
+                         [unit_mm](std::uint16_t count) { return static_cast<float>(count * unit_mm); });
+  return depth_mm;
+}
+
+Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where) {
+  constexpr double kHighest = std::numeric_limits<std::uint16_t>::max();
+  Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
+  std::ranges::transform(depth_mm.pixels(), counts.pixels().begin(), [&](float depth) -> std::uint16_t {
+    if (!(depth > 0)) return 0;
+    const double count = depth / unit_mm + 0.5;  // rounds once it is cut to a whole number
+    if (!(count < kHighest + 1)) {
+      fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, depth,
+           kHighest * unit_mm, unit_mm);
+    }
+    return static_cast<std::uint16_t>(count);
+  });
+  return counts;
+}
+
+Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path) {
+  constexpr std::size_t kBitDepthOffset =
+      24;  // signature (8), chunk length and name (8), width and height (8)
+  std::array<char, kBitDepthOffset + 1> header{};
+  std::ifstream(path, std::ios::binary).read(header.data(), header.size());
+  if (header.back() != 8) return read_png16(path);
+  const Image<std::uint8_t> narrow = read_png8(path);
+  Image<std::uint16_t> image(narrow.width(), narrow.height());
+  std::ranges::copy(narrow.pixels(), image.pixels().begin());
+  return image;
+}
+
+Image<std::uint8_t> mask_from_pixels(Image<std::uint8_t> pixels) {
+  for (std::uint8_t& pixel : pixels.pixels()) pixel = pixel != 0 ? 1 : 0;
+  return pixels;
+}
+
+}  // namespace knuckle

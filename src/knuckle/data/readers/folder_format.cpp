@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/folder_format.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "knuckle/data/readers/depth_image.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::array<std::string_view, 2> kModels{"projective", "orthographic"};
+constexpr std::array<std::string_view, 2> kOrigins{"centre", "corner"};
+constexpr std::size_t kDistortionCount = 8;
+
+Camera camera_from(const CameraOptions& options) {
+  Camera camera;
+  camera.model = options.model == "orthographic" ? CameraModel::orthographic : CameraModel::projective;
+  camera.width = options.width;
+  camera.height = options.height;
+  camera.fx = options.fx;
+  camera.fy = options.fy;
+  camera.cx = options.cx;
+  camera.cy = options.cy;
+  std::ranges::copy(options.distortion, camera.distortion.begin());
+  return camera;
+}
+
+CameraOptions options_from(const Camera& camera) {
+  CameraOptions options{camera.model == CameraModel::orthographic ? "orthographic" : "projective",
+                        camera.width,
+                        camera.height,
+                        camera.fx,
+                        camera.fy,
+                        camera.cx,
+                        camera.cy,
+                        {}};
+  if (camera.is_distorted()) options.distortion.assign(camera.distortion.begin(), camera.distortion.end());
+  return options;
+}
+
+Camera read_camera(const OptionTable& table) {
+  for (const std::string_view key : {"width", "height", "fx", "fy", "cx", "cy"})
+    if (!table.has(key)) fail("{}: [camera] lacks '{}'", table.origin(), key);
+  CameraOptions options;
+  table.read(options);
+  table.finish();
+  const Camera camera = camera_from(options);
+  try {
+    check(camera);
+  } catch (const Error& error) {
+    fail("{}: [camera]: {}", table.origin(), error.what());
+  }
+  return camera;
+}
+
+}  // namespace
+
+void CameraOptions::visit(OptionVisitor& visitor) {
+  visitor.choice("model", model, kModels);
+  visitor.integer("width", width, closed(1, kLargestImageSide));
+  visitor.integer("height", height, closed(1, kLargestImageSide));
+  visitor.real("fx", fx, {});
+  visitor.real("fy", fy, {});
+  visitor.real("cx", cx, {});
+  visitor.real("cy", cy, {});
+  visitor.reals("distortion", distortion, {}, 0, kDistortionCount);
+}
+
+void FolderOptions::visit(OptionVisitor& visitor) {
+  visitor.text("convention", convention);
+  visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, 1000));
+  visitor.choice("pixel_origin", pixel_origin, kOrigins);
+}
+
+FolderDescription read_folder_description(const std::filesystem::path& path) {
+  const OptionTable table = OptionTable::load(path);
+  FolderOptions options;
+  table.read(options);
+  if (!table.has("camera")) fail("{}: lacks the table [camera]", table.origin());
+  FolderDescription description;
+  description.camera = read_camera(table.table("camera"));
+  table.finish();
+
+  description.depth_unit_mm = options.depth_unit_mm;
+  description.pixel_origin = options.pixel_origin == "corner" ? PixelOrigin::corner : PixelOrigin::centre;
+  description.camera = with_pixel_origin(description.camera, description.pixel_origin, PixelOrigin::centre);
+  if (options.convention.empty()) return description;
+  try {
+    description.convention = convention_from_name(options.convention);
+  } catch (const Error& error) {
+    table.fail_at("convention", error.what());
+  }
+  return description;
+}
+
+std::string folder_description_as_toml(const FolderDescription& description) {
+  const bool is_corner = description.pixel_origin == PixelOrigin::corner;
+  const FolderOptions options{std::string(description.convention ? description.convention->name : ""),
+                              description.depth_unit_mm, is_corner ? "corner" : "centre"};
+  const Camera camera = with_pixel_origin(description.camera, PixelOrigin::centre, description.pixel_origin);
+  return options_as_toml(options) + "\n[camera]\n" + options_as_toml(options_from(camera));
+}
+
+}  // namespace knuckle

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/folder_source.h"
+
+#include <utility>
+
+#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/data/readers/file_listing.h"
+#include "knuckle/data/readers/image_io.h"
+#include "knuckle/data/truth.h"
+
+namespace fs = std::filesystem;
+
+namespace knuckle {
+
+FolderSource::FolderSource(fs::path folder) : folder_(std::move(folder)) {
+  require_folder(folder_);
+  description_ = read_folder_description(folder_ / "dataset.toml");
+  names_ = list_files(folder_ / "depth", "", ".png");
+  if (names_.empty()) fail("{}: holds no .png file", (folder_ / "depth").string());
+  has_infrared_ = fs::is_directory(folder_ / "infrared");
+  has_mask_ = fs::is_directory(folder_ / "mask");
+
+  const fs::path joints = folder_ / "joints.txt";
+  if (!fs::exists(joints)) return;
+  if (!description_.convention)
+    fail("{}: lacks 'convention', which joints.txt needs", (folder_ / "dataset.toml").string());
+  joints_.emplace(joints);
+  if (joints_->size() != size())
+    fail("{}: has {} lines, but there are {} depth images", joints.string(), joints_->size(), size());
+}
+
+std::optional<Convention> FolderSource::convention() const {
+  return joints_ ? description_.convention : std::nullopt;
+}
+
+std::optional<HandPose> FolderSource::read_truth(std::int64_t index) const {
+  if (!joints_) return std::nullopt;
+  const Convention& convention = *description_.convention;
+  const std::vector<double> uvd =
+      parse_annotation(joints_->line(index), 3 * convention.landmarks.size(), joints_->where(index));
+  return known_or_nothing(
+      with_pixel_origin(pose_from_uvd(convention, uvd), description_.pixel_origin, PixelOrigin::centre));
+}
+
+FrameLabel FolderSource::read_label(std::int64_t index) const {
+  return {description_.camera, read_truth(index)};
+}
+
+Frame FolderSource::read(std::int64_t index) const {
+  const std::string& name = names_.at(static_cast<std::size_t>(index));
+  const auto checked = [&](auto image, const fs::path& path) {
+    require_size(image, description_.camera.width, description_.camera.height, path);
+    return image;
+  };
+  Frame frame;
+  frame.name = without_extension(name);
+  frame.camera = description_.camera;
+  const fs::path depth = folder_ / "depth" / name;
+  frame.depth_mm = depth_from_counts(checked(read_png16(depth), depth), description_.depth_unit_mm);
+  if (has_infrared_) {
+    const fs::path infrared = folder_ / "infrared" / name;
+    frame.infrared = checked(read_png8_or_16(infrared), infrared);
+  }
+  if (has_mask_) {
+    const fs::path mask = folder_ / "mask" / name;
+    frame.mask = mask_from_pixels(checked(read_png8(mask), mask));
+  }
+  frame.truth = read_truth(index);
+  return frame;
+}
+
+}  // namespace knuckle

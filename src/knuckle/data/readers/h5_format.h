@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/frame.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace knuckle {
+
+// The Knuckle dataset, an HDF5 file, version 2. Attributes of the root: `format`, `version`, `complete` (1
+// once all frames are in), `first_index`, `manifest` (text), `depth_unit_mm` (millimetres a count of depth),
+// `joints_unit`, `landmarks` (names of the rows of joints_mm), `pixel_origin` ("centre"), `camera_model`,
+// `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order). Arrays, a row a frame:
+
+inline constexpr std::string_view kH5Depth = "depth";        ///< N x H x W uint16, 0 = no measurement
+inline constexpr std::string_view kH5Mask = "mask";          ///< N x H x W uint8, 1 = hand; may be missing
+inline constexpr std::string_view kH5Infrared = "infrared";  ///< N x H x W uint16; may be missing
+inline constexpr std::string_view kH5Joints = "joints_mm";   ///< N x 22 x 3 float32, in camera; NaN = unknown
+/// N x 4 float64, fx, fy, cx, cy of each frame's camera; version 1 has none: all are those of the attributes.
+inline constexpr std::string_view kH5Intrinsics = "intrinsics";
+/// N int8: 0 = a right hand, 1 = a left one, -1 = not known; may be missing.
+inline constexpr std::string_view kH5Side = "side";
+
+/// What the file calls itself.
+inline constexpr std::string_view kH5Format = "knuckle-dataset";
+/// The newest version that is known; 2 added the intrinsics of each frame.
+inline constexpr int kH5Version = 2;
+
+/// The side as its number in the file, and back. Throws an Error that starts with `where` at other numbers.
+std::int8_t code_of(std::optional<HandSide> side);
+/// The side from that number.
+std::optional<HandSide> side_of(std::int8_t code, std::string_view where);
+
+/// The camera of the first frame as attributes of the file.
+void write_camera(Hdf5File& file, const Camera& camera);
+/// Throws an Error that names the file where the attributes are missing or impossible.
+Camera read_camera(const Hdf5File& file);
+
+}  // namespace knuckle

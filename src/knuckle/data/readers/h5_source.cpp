@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/h5_source.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/ranges.h>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/data/readers/frame_log.h"
+#include "knuckle/data/readers/h5_format.h"
+#include "knuckle/data/truth.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::uint64_t kIntrinsicsAFrame = 4;
+
+Hdf5File open_whole(const std::filesystem::path& path) {
+  constexpr std::string_view kUnfinished = "{}: is unfinished; let the run that writes it end";
+  if (is_frame_log(path)) fail(kUnfinished, path.string());
+  Hdf5File file = Hdf5File::open(path);
+  file.require_format(kH5Format, kH5Version);
+  if (file.number_attribute("complete") != 1) fail(kUnfinished, path.string());
+  return file;
+}
+
+double depth_unit_of(const Hdf5File& file) {
+  const double unit_mm = file.number_attribute("depth_unit_mm");
+  if (!(unit_mm > 0 && std::isfinite(unit_mm)))
+    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0", file.path().string(), unit_mm);
+  return unit_mm;
+}
+
+}  // namespace
+
+H5Source::H5Source(const std::filesystem::path& path)
+    : file_(open_whole(path)),
+      camera_(read_camera(file_)),
+      depth_unit_mm_(depth_unit_of(file_)),
+      first_index_(static_cast<std::int64_t>(file_.number_attribute("first_index"))),
+      has_infrared_(file_.has(kH5Infrared)),
+      has_mask_(file_.has(kH5Mask)),
+      has_joints_(file_.has(kH5Joints)),
+      has_intrinsics_(file_.has(kH5Intrinsics)),
+      has_side_(file_.has(kH5Side)) {
+  const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
+  const std::uint64_t count = shape.empty() ? 0 : shape[0];
+  if (count == 0) fail("{}: holds no frame", path.string());
+  const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(camera_.height),
+                                          static_cast<std::uint64_t>(camera_.width)};
+  require_shape(kH5Depth, images);
+  if (has_infrared_) require_shape(kH5Infrared, images);
+  if (has_mask_) require_shape(kH5Mask, images);
+  if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
+  if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsAFrame});
+  if (has_side_) require_shape(kH5Side, {count});
+  size_ = static_cast<std::int64_t>(count);
+}
+
+void H5Source::require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const {
+  const std::vector<std::uint64_t> shape = file_.shape(array);
+  if (shape == expected) return;
+  fail("{}: {}: has the shape {}, expected {}", file_.path().string(), array, fmt::join(shape, " x "),
+       fmt::join(expected, " x "));
+}
+
+std::optional<Convention> H5Source::convention() const {
+  if (!has_joints_) return std::nullopt;
+  return superset_convention();
+}
+
+std::uint64_t H5Source::row_of(std::int64_t index) const {
+  if (index < 0 || index >= size_)
+    fail("{}: has {} frames, asked for frame {}", file_.path().string(), size_, index);
+  return static_cast<std::uint64_t>(index);
+}
+
+Camera H5Source::read_frame_camera(std::uint64_t row) const {
+  if (!has_intrinsics_) return camera_;
+  std::array<double, kIntrinsicsAFrame> values{};
+  file_.read_rows(kH5Intrinsics, row, 1, values.data());
+  Camera camera = camera_;
+  camera.fx = values[0];
+  camera.fy = values[1];
+  camera.cx = values[2];
+  camera.cy = values[3];
+  try {
+    check(camera);
+  } catch (const Error& error) {
+    fail("{}: {}: frame {}: {}", file_.path().string(), kH5Intrinsics, row, error.what());
+  }
+  return camera;
+}
+
+std::optional<HandPose> H5Source::read_truth(std::uint64_t row, const Camera& camera) const {
+  if (!has_joints_) return std::nullopt;
+  std::vector<float> joints_mm(std::size_t{kSupersetSize} * 3);
+  file_.read_rows(kH5Joints, row, 1, joints_mm.data());
+  const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
+  return known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(camera)));
+}
+
+std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
+  if (!has_side_) return std::nullopt;
+  std::int8_t code = 0;
+  file_.read_rows(kH5Side, row, 1, &code);
+  return side_of(code, fmt::format("{}: frame {}", file_.path().string(), row));
+}
+
+FrameLabel H5Source::read_label(std::int64_t index) const {
+  const std::uint64_t row = row_of(index);
+  const Camera camera = read_frame_camera(row);
+  return {camera, read_truth(row, camera)};
+}
+
+Frame H5Source::read(std::int64_t index) const {
+  const std::uint64_t row = row_of(index);
+  Frame frame;
+  frame.name = fmt::format("{:08}", first_index_ + index);
+  frame.camera = read_frame_camera(row);
+  Image<std::uint16_t> counts(camera_.width, camera_.height);
+  file_.read_rows(kH5Depth, row, 1, counts.data());
+  frame.depth_mm = depth_from_counts(counts, depth_unit_mm_);
+  if (has_infrared_) {
+    frame.infrared = Image<std::uint16_t>(camera_.width, camera_.height);
+    file_.read_rows(kH5Infrared, row, 1, frame.infrared.data());
+  }
+  if (has_mask_) {
+    frame.mask = Image<std::uint8_t>(camera_.width, camera_.height);
+    file_.read_rows(kH5Mask, row, 1, frame.mask.data());
+    frame.mask = mask_from_pixels(std::move(frame.mask));
+  }
+  frame.truth = read_truth(row, frame.camera);
+  frame.side = read_side(row);
+  return frame;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "knuckle/data/frame_source.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace knuckle {
+
+/// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time.
+class H5Source final : public FrameSource {
+ public:
+  /// Throws an Error that names the file where it is missing, cut short, no Knuckle dataset, of an unknown
+  /// version, unfinished, empty, or where its arrays do not fit together.
+  explicit H5Source(const std::filesystem::path& path);
+
+  std::int64_t size() const override { return size_; }
+  Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
+  std::optional<Convention> convention() const override;
+
+ private:
+  void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
+  std::uint64_t row_of(std::int64_t index) const;
+  Camera read_frame_camera(std::uint64_t row) const;
+  std::optional<HandSide> read_side(std::uint64_t row) const;
+  std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
+
+  Hdf5File file_;
+  Camera camera_;  ///< of the first frame
+  double depth_unit_mm_;
+  std::int64_t first_index_;
+  std::int64_t size_;
+  bool has_infrared_;
+  bool has_mask_;
+  bool has_joints_;
+  bool has_intrinsics_;
+  bool has_side_;
+};
+
+}  // namespace knuckle

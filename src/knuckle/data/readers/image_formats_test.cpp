@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/data/readers/csv_image.h"
+#include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/data/readers/exr_image.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::cut_file;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::put_file;
+
+Image<float> ramp(int width, int height) {
+  Image<float> image(width, height);
+  for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = 0.1f + 0.37f * static_cast<float>(i);
+  return image;
+}
+
+TEST(ExrImage, ReadsWhatItWrote) {
+  const testing::TemporaryFolder folder;
+  Image<float> image = ramp(37, 21);
+  image(3, 4) = 1e10f;
+  image(4, 4) = std::numeric_limits<float>::infinity();
+  write_exr(folder / "a.exr", image);
+  EXPECT_EQ(read_exr(folder / "a.exr"), image);
+}
+
+/// An EXR with channels of several names, as renderers write, and a data window that does not start at 0.
+void write_layers(const std::filesystem::path& path,
+                  const std::vector<std::pair<std::string, float>>& channels, Imf::PixelType type) {
+  const Imath::Box2i window({5, 7}, {8, 8});  // 4 x 2 pixels
+  Imf::Header header(window, window);
+  Imf::FrameBuffer buffer;
+  std::vector<std::vector<float>> floats;
+  std::vector<std::uint32_t> wholes(8, 1);
+  for (const auto& [name, value] : channels) {
+    header.channels().insert(name, Imf::Channel(type));
+    floats.emplace_back(8, value);
+    void* data =
+        type == Imf::UINT ? static_cast<void*>(wholes.data()) : static_cast<void*>(floats.back().data());
+    buffer.insert(name, Imf::Slice::Make(type, data, window));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(2);
+}
+
+TEST(ExrImage, PicksTheChannelThatHoldsDepth) {
+  const testing::TemporaryFolder folder;
+  write_layers(folder / "rgba.exr", {{"A", 1.0f}, {"B", 0.2f}, {"G", 0.3f}, {"R", 0.4f}}, Imf::FLOAT);
+  const Image<float> image = read_exr(folder / "rgba.exr");
+  EXPECT_EQ(image.width(), 4);
+  EXPECT_EQ(image.height(), 2);
+  for (const float value : image.pixels()) EXPECT_EQ(value, 0.4f);
+  write_layers(folder / "z.exr", {{"A", 1.0f}, {"R", 0.3f}, {"Z", 0.6f}}, Imf::FLOAT);
+  EXPECT_EQ(read_exr(folder / "z.exr")(0, 0), 0.6f);
+  write_layers(folder / "other.exr", {{"layer.depth", 0.7f}}, Imf::FLOAT);
+  EXPECT_EQ(read_exr(folder / "other.exr")(0, 0), 0.7f);
+}
+
+TEST(ExrImage, NamesTheFileAndItsFault) {
+  const testing::TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { read_exr(folder / "missing.exr"); }), HasSubstr("missing.exr"));
+  put_file(folder / "no.exr", "this is no image");
+  EXPECT_THAT(error_of([&] { read_exr(folder / "no.exr"); }), AllOf(HasSubstr("no.exr"), HasSubstr("EXR")));
+  write_layers(folder / "whole.exr", {{"R", 1.0f}}, Imf::UINT);
+  EXPECT_THAT(error_of([&] { read_exr(folder / "whole.exr"); }),
+              AllOf(HasSubstr("whole.exr"), HasSubstr("whole numbers")));
+}
+
+TEST(ExrImage, RefusesAFileCutShortAnywhere) {
+  const testing::TemporaryFolder folder;
+  write_exr(folder / "a.exr", ramp(64, 48));
+  const auto bytes = std::filesystem::file_size(folder / "a.exr");
+  for (std::uintmax_t cut = bytes - 1; cut > 0; cut -= std::min(cut, bytes / 40 + 1)) {
+    cut_file(folder / "a.exr", cut);
+    EXPECT_THAT(error_of([&] { read_exr(folder / "a.exr"); }), HasSubstr("a.exr")) << cut << " of " << bytes;
+  }
+}
+
+TEST(CsvImage, ReadsWhatItWrote) {
+  const testing::TemporaryFolder folder;
+  const Image<float> image = ramp(13, 7);
+  write_csv_image(folder / "a.csv", image);
+  EXPECT_EQ(read_csv_image(folder / "a.csv"), image);
+}
+
+TEST(CsvImage, AllowsBlanksReturnsAndTrailingCommas) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "a.csv", "1, 2.5,3,\r\n4,5,-6,\r\n\r\n");
+  const Image<float> image = read_csv_image(folder / "a.csv");
+  ASSERT_EQ(image.width(), 3);
+  ASSERT_EQ(image.height(), 2);
+  EXPECT_EQ(image(1, 0), 2.5f);
+  EXPECT_EQ(image(2, 1), -6.0f);
+}
+
+TEST(CsvImage, NamesFileLineAndFault) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "short.csv", "1,2,3\n4,5");
+  EXPECT_THAT(error_of([&] { read_csv_image(folder / "short.csv"); }),
+              AllOf(HasSubstr("short.csv:2"), HasSubstr("2 values, expected 3")));
+  put_file(folder / "word.csv", "1,2,3\n4,x,6\n");
+  EXPECT_THAT(error_of([&] { read_csv_image(folder / "word.csv"); }),
+              AllOf(HasSubstr("word.csv:2"), HasSubstr("'x'")));
+  put_file(folder / "empty.csv", "\n\n");
+  EXPECT_THAT(error_of([&] { read_csv_image(folder / "empty.csv"); }), HasSubstr("empty.csv: is empty"));
+  EXPECT_THAT(error_of([&] { read_csv_image(folder / "none.csv"); }), HasSubstr("none.csv"));
+}
+
+TEST(DepthImage, RoundsToCountsAndBack) {
+  Image<float> depth_mm(4, 1);
+  depth_mm(0, 0) = 123.44f;
+  depth_mm(1, 0) = -5.0f;
+  depth_mm(2, 0) = std::nanf("");
+  const Image<std::uint16_t> counts = counts_from_depth(depth_mm, 0.1, "here");
+  EXPECT_EQ(counts(0, 0), 1234);
+  for (const int hole : {1, 2, 3}) EXPECT_EQ(counts(hole, 0), 0);
+  EXPECT_NEAR(depth_from_counts(counts, 0.1)(0, 0), 123.4f, 1e-4);
+}
+
+TEST(DepthImage, RefusesDepthsThatDoNotFit) {
+  EXPECT_THAT(error_of([] { counts_from_depth(Image<float>(1, 1, 6554.0f), 0.1, "here"); }),
+              AllOf(HasSubstr("here"), HasSubstr("6554"), HasSubstr("0.1")));
+  EXPECT_EQ(counts_from_depth(Image<float>(1, 1, 6553.5f), 0.1, "here")(0, 0), 65535);
+}
+
+}  // namespace
+}  // namespace knuckle

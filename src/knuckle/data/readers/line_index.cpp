@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/line_index.h"
+
+#include <fstream>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+}  // namespace
+
+LineIndex::LineIndex(std::filesystem::path path) : path_(std::move(path)) {
+  std::ifstream file(path_, std::ios::binary);
+  if (!file) fail("{}: cannot open the file", path_.string());
+  std::vector<char> block(kBlockBytes);
+  std::uint64_t offset = 0;
+  std::uint64_t line_start = 0;
+  bool is_undecided = true;  // of this line only blanks were seen
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+    const char* const end = block.data() + file.gcount();
+    for (const char* c = block.data(); c != end; ++c, ++offset) {
+      if (*c == '\n') {
+        line_start = offset + 1;
+        is_undecided = true;
+      } else if (is_undecided && !is_blank(*c)) {
+        is_undecided = false;
+        if (*c != '#') starts_.push_back(line_start);
+      }
+    }
+  }
+  if (file.bad() || offset != std::filesystem::file_size(path_)) fail("{}: cannot be read", path_.string());
+}
+
+std::string LineIndex::line(std::int64_t index) const {
+  if (index < 0 || index >= size())
+    fail("{}: has {} entries, asked for entry {}", path_.string(), size(), index + 1);
+  std::ifstream file(path_, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(starts_[static_cast<std::size_t>(index)]));
+  std::string text;
+  if (!std::getline(file, text)) fail("{}: cannot be read", path_.string());
+  if (text.ends_with('\r')) text.pop_back();
+  return text;
+}
+
+std::string LineIndex::where(std::int64_t index) const {
+  return fmt::format("{}, entry {}", path_.string(), index + 1);
+}
+
+}  // namespace knuckle

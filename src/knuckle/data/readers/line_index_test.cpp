@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/line_index.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/data/readers/data_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::put_file;
+
+TEST(LineIndex, FindsEveryLineAndSkipsBlanksAndRemarks) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "a.txt", "# remark\n1 2\n\n  \r\n  3 4\r\n# another\n5");
+  const LineIndex lines(folder / "a.txt");
+  ASSERT_EQ(lines.size(), 3);
+  EXPECT_EQ(lines.line(0), "1 2");
+  EXPECT_EQ(lines.line(1), "  3 4");
+  EXPECT_EQ(lines.line(2), "5");
+  EXPECT_THAT(error_of([&] { lines.line(3); }), HasSubstr("a.txt: has 3 entries, asked for entry 4"));
+}
+
+TEST(LineIndex, FindsLinesThatCrossItsBlocks) {
+  const testing::TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 300000; ++i) text += fmt::format("{} {}\n", i, 7 * i);
+  ASSERT_GT(text.size(), std::size_t{3} << 20);
+  put_file(folder / "long.txt", text);
+  const LineIndex lines(folder / "long.txt");
+  ASSERT_EQ(lines.size(), 300000);
+  for (int i = 0; i < 300000; i += 997) ASSERT_EQ(lines.line(i), fmt::format("{} {}", i, 7 * i));
+}
+
+TEST(LineIndex, NamesAMissingFile) {
+  EXPECT_THAT(error_of([] { LineIndex("/no/such/file.txt"); }), HasSubstr("/no/such/file.txt"));
+  EXPECT_THAT(error_of([] { LineIndex("/tmp"); }), HasSubstr("/tmp"));
+}
+
+TEST(LineIndex, AnEmptyFileHasNoLines) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "empty.txt", "");
+  EXPECT_EQ(LineIndex(folder / "empty.txt").size(), 0);
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/open_dataset.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/text.h"
+#include "knuckle/data/readers/folder_source.h"
+#include "knuckle/data/readers/h5_source.h"
+#include "knuckle/data/readers/hands17_source.h"
+#include "knuckle/data/readers/icg_source.h"
+#include "knuckle/data/readers/icvl_source.h"
+#include "knuckle/data/readers/msra15_source.h"
+#include "knuckle/data/readers/nyu_source.h"
+
+namespace knuckle {
+namespace {
+
+template <class Source, class Options>
+std::unique_ptr<FrameSource> open_with_options(const SourceSpec& spec) {
+  return std::make_unique<Source>(spec.path, options_from<Options>(spec));
+}
+
+template <class Source>
+std::unique_ptr<FrameSource> open_plain(const SourceSpec& spec) {
+  require_no_settings(spec);
+  return std::make_unique<Source>(spec.path);
+}
+
+constexpr std::array kKinds{
+    DatasetKind{"folder", "folder with dataset.toml and depth/*.png", open_plain<FolderSource>},
+    DatasetKind{"icg", "ICG set, synthetic (EXR) or recorded (CSV)",
+                open_with_options<IcgSource, IcgOptions>},
+    DatasetKind{"icvl", "ICVL set: 16-bit PNG and labels.txt", open_with_options<IcvlSource, IcvlOptions>},
+    DatasetKind{"nyu", "NYU set: RGB-coded PNG and joint_data.mat", open_with_options<NyuSource, NyuOptions>},
+    DatasetKind{"msra15", "MSRA 2015 set: cropped .bin and joint.txt", open_plain<Msra15Source>},
+    DatasetKind{"hands17", "HANDS 2017 challenge: 16-bit PNG and annotation file",
+                open_with_options<Hands17Source, Hands17Options>},
+    DatasetKind{"h5", "Knuckle dataset, one HDF5 file", open_plain<H5Source>},
+};
+
+}  // namespace
+
+std::span<const DatasetKind> dataset_kinds() {
+  return kKinds;
+}
+
+std::unique_ptr<FrameSource> open_dataset(const SourceSpec& spec) {
+  std::vector<std::string> known;
+  for (const DatasetKind& kind : kKinds) {
+    if (kind.name == spec.kind)
+      return select_frames(kind.open(spec), spec.selection, fmt::format("source '{}'", spec.text));
+    known.emplace_back(kind.name);
+  }
+  fail("source '{}': unknown kind '{}'; known are {}", spec.text, spec.kind, joined(known));
+}
+
+std::unique_ptr<FrameSource> open_dataset(std::string_view text) {
+  return open_dataset(parse_source_spec(text));
+}
+
+}  // namespace knuckle

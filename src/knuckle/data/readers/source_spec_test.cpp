@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/source_spec.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/data/readers/open_dataset.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+
+struct ExampleOptions {
+  int view = 1;
+  double scale = 1.0;
+  std::string name;
+
+  void visit(OptionVisitor& visitor) {
+    visitor.integer("view", view, closed(1, 3));
+    visitor.real("scale", scale, above(0));
+    visitor.text("name", name);
+  }
+};
+
+ExampleOptions example(const std::string& text) {
+  return options_from<ExampleOptions>(parse_source_spec(text));
+}
+
+TEST(SourceSpec, TakesKindPathSelectionAndSettingsApart) {
+  const SourceSpec spec = parse_source_spec("nyu:/sets/nyu/test?view=2&first=10&count=20&step=3");
+  EXPECT_EQ(spec.kind, "nyu");
+  EXPECT_EQ(spec.path, "/sets/nyu/test");
+  EXPECT_EQ(spec.selection, (FrameSelection{10, 20, 3}));
+  ASSERT_EQ(spec.settings.size(), 1u);
+  EXPECT_EQ(spec.settings[0].first, "view");
+  EXPECT_EQ(spec.settings[0].second, "2");
+}
+
+TEST(SourceSpec, KeepsColonsAndQuestionMarksOfThePath) {
+  const SourceSpec spec = parse_source_spec("folder:/a:b/what?/c?count=2");
+  EXPECT_EQ(spec.path, "/a:b/what?/c");
+  EXPECT_EQ(spec.selection.count, 2);
+  EXPECT_TRUE(parse_source_spec("folder:x").selection.takes_all());
+}
+
+TEST(SourceSpec, RefusesWhatIsNoSource) {
+  EXPECT_THAT(error_of([] { parse_source_spec("/just/a/path"); }), HasSubstr("KIND:PATH"));
+  EXPECT_THAT(error_of([] { parse_source_spec(":/a/path"); }), HasSubstr("names no kind"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:"); }), HasSubstr("names no path"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view"); }), HasSubstr("'view' is no key=value"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view=1&view=2"); }), HasSubstr("'view' appears twice"));
+}
+
+TEST(SourceSpec, RefusesSelectionsThatAreNoNumbersOrOutOfRange) {
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?first=abc"); }),
+              AllOf(HasSubstr("first"), HasSubstr("'abc'")));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?first=1.5"); }), HasSubstr("1.5"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?first=-1"); }), HasSubstr("first = -1"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?count=0"); }), HasSubstr("count = 0"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?step=0"); }), HasSubstr("step = 0"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?count=99999999999"); }), HasSubstr("count"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?count="); }), HasSubstr("count"));
+}
+
+TEST(SourceSpec, SetsTheReadersOptions) {
+  const ExampleOptions options = example("x:y?view=3&scale=0.5&name=me&first=2");
+  EXPECT_EQ(options.view, 3);
+  EXPECT_EQ(options.scale, 0.5);
+  EXPECT_EQ(options.name, "me");
+  EXPECT_EQ(example("x:y").view, 1);
+}
+
+TEST(SourceSpec, UnknownKeysAndBadValuesAreErrors) {
+  EXPECT_THAT(error_of([] { example("x:y?veiw=3"); }),
+              AllOf(HasSubstr("unknown key 'veiw'"), HasSubstr("first, count, step, view, scale, name")));
+  EXPECT_THAT(error_of([] { example("x:y?view=4"); }), HasSubstr("view = 4 is not in [1, 3]"));
+  EXPECT_THAT(error_of([] { example("x:y?view=two"); }), HasSubstr("'two'"));
+  EXPECT_THAT(error_of([] { example("x:y?scale=0"); }), HasSubstr("scale = 0"));
+  EXPECT_THAT(error_of([] { example("x:y?scale=nan"); }), HasSubstr("scale"));
+  EXPECT_THAT(error_of([] { require_no_settings(parse_source_spec("x:y?a=1")); }),
+              HasSubstr("unknown key 'a'"));
+}
+
+TEST(OpenDataset, ListsTheKindsWhereOneIsUnknown) {
+  EXPECT_THAT(
+      error_of([] { open_dataset("nyuu:/x"); }),
+      AllOf(HasSubstr("unknown kind 'nyuu'"), HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5")));
+}
+
+TEST(OpenDataset, EveryKindNamesAMissingPath) {
+  for (const DatasetKind& kind : dataset_kinds()) {
+    EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":/no/such/place"); }),
+                HasSubstr("/no/such/place"))
+        << kind.name;
+  }
+}
+
+TEST(OpenDataset, EveryKindRefusesUnknownKeys) {
+  for (const DatasetKind& kind : dataset_kinds()) {
+    EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":/no/such/place?colour=red"); }),
+                HasSubstr("unknown key 'colour'"))
+        << kind.name;
+  }
+}
+
+TEST(OpenDataset, EveryKindRefusesAnEmptySource) {
+  const testing::TemporaryFolder folder;
+  for (const DatasetKind& kind : dataset_kinds()) {
+    EXPECT_THAT(error_of([&] { open_dataset(std::string(kind.name) + ":" + folder.path().string()); }),
+                HasSubstr(folder.path().string()))
+        << kind.name;
+  }
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <memory>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/h5_format.h"
+#include "knuckle/data/readers/h5_source.h"
+#include "knuckle/data/writers/h5_writer.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace fs = std::filesystem;
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::noise_frame;
+using testing::put_file;
+using testing::small_camera;
+
+FrameWriterOptions options_for(std::int64_t first, std::int64_t count,
+                               const std::string& manifest = "a = 1") {
+  FrameWriterOptions options;
+  options.first = first;
+  options.count = count;
+  options.manifest = manifest;
+  return options;
+}
+
+Frame noisy_frame(std::int64_t index) {
+  Frame frame = noise_frame(small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
+  if (index % 3 != 0) frame.side = index % 3 == 1 ? HandSide::left : HandSide::right;
+  return frame;
+}
+
+void write_set(const fs::path& path, std::int64_t first, std::int64_t count) {
+  H5Writer writer(path, options_for(first, count));
+  parallel_for(count, [&](std::int64_t i) { writer.write(first + i, noisy_frame(first + i)); });
+  writer.finish();
+}
+
+void expect_frames(const fs::path& path, std::int64_t first, std::int64_t count) {
+  const H5Source source(path);
+  ASSERT_EQ(source.size(), count);
+  parallel_for(count, [&](std::int64_t i) {
+    const Frame expected = noisy_frame(first + i);
+    const Frame actual = source.read(i);
+    EXPECT_EQ(actual.name, fmt::format("{:08}", first + i));
+    EXPECT_EQ(actual.camera, expected.camera);
+    EXPECT_EQ(actual.side, expected.side);
+    testing::expect_near(actual.depth_mm, expected.depth_mm, 0.0501);
+    EXPECT_EQ(actual.infrared, expected.infrared);
+    EXPECT_EQ(actual.mask, expected.mask);
+    testing::expect_near(*actual.truth, *expected.truth, 1e-4, 1e-4);
+  });
+}
+
+std::string error_of_h5_set(const fs::path& path) {
+  return error_of([&] { H5Source(path).read(0); });
+}
+
+TEST(H5, ReadsWhatWasWrittenFromManyThreads) {
+  const testing::TemporaryFolder folder;
+  write_set(folder / "a.h5", 40, 23);
+  expect_frames(folder / "a.h5", 40, 23);
+  EXPECT_FALSE(fs::exists(folder / "a.h5.partial"));
+}
+
+TEST(H5, StatesWhatOtherProgramsNeed) {
+  const testing::TemporaryFolder folder;
+  write_set(folder / "a.h5", 40, 2);
+  const Hdf5File file = Hdf5File::open(folder / "a.h5");
+  EXPECT_EQ(file.text_attribute("format"), "knuckle-dataset");
+  EXPECT_EQ(file.number_attribute("version"), 2);
+  EXPECT_EQ(file.number_attribute("depth_unit_mm"), 0.1);
+  EXPECT_EQ(file.text_attribute("manifest"), "a = 1");
+  EXPECT_EQ(file.number_attribute("fx"), small_camera().fx);
+  EXPECT_THAT(file.text_attribute("landmarks"), HasSubstr("wrist, palm, thumb_cmc"));
+  EXPECT_EQ(file.shape("depth"), (std::vector<std::uint64_t>{2, 18, 24}));
+  EXPECT_EQ(file.shape("joints_mm"), (std::vector<std::uint64_t>{2, 22, 3}));
+}
+
+TEST(H5, HoldsALongManifest) {
+  const testing::TemporaryFolder folder;
+  const std::string manifest(300000, 'm');
+  H5Writer writer(folder / "a.h5", options_for(0, 1, manifest));
+  writer.write(0, noisy_frame(0));
+  writer.finish();
+  EXPECT_EQ(Hdf5File::open(folder / "a.h5").text_attribute("manifest"), manifest);
+}
+
+TEST(H5, KeepsEachFramesFocalLengthAndPrincipalPoint) {
+  const testing::TemporaryFolder folder;
+  H5Writer writer(folder / "a.h5", options_for(0, 3));
+  std::vector<Frame> frames;
+  for (std::int64_t i = 0; i < 3; ++i) {
+    frames.push_back(noisy_frame(i));
+    frames.back().camera.fx += static_cast<double>(i);
+    frames.back().camera.cy -= 0.25 * static_cast<double>(i);
+    writer.write(i, frames.back());
+  }
+  writer.finish();
+  const H5Source source(folder / "a.h5");
+  for (std::int64_t i = 0; i < 3; ++i) {
+    const Frame& expected = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(source.read(i).camera, expected.camera);
+    testing::expect_near(*source.read(i).truth, *expected.truth, 1e-4, 1e-4);
+    EXPECT_EQ(source.read_label(i).camera, expected.camera);
+    testing::expect_near(*source.read_label(i).truth, *expected.truth, 1e-4, 1e-4);
+  }
+}
+
+TEST(H5, HasTheSameBytesWhateverThreadsAndInterruptions) {
+  const testing::TemporaryFolder folder;
+  write_set(folder / "a.h5", 5, 30);
+  {
+    H5Writer backwards(folder / "b.h5", options_for(5, 30));
+    for (std::int64_t i = 34; i > 20; --i) backwards.write(i, noisy_frame(i));
+  }
+  H5Writer rest(folder / "b.h5", options_for(5, 30));
+  for (std::int64_t i = 5; i < 35; ++i)
+    if (!rest.has(i)) rest.write(i, noisy_frame(i));
+  rest.finish();
+  EXPECT_TRUE(read_text_file(folder / "a.h5") == read_text_file(folder / "b.h5"));
+  EXPECT_FALSE(fs::exists(folder / "b.h5.partial"));
+  EXPECT_FALSE(fs::exists(folder / "b.h5.assembled"));
+}
+
+TEST(H5, KeepsTheSharedLandmarksOfOtherConventions) {
+  const testing::TemporaryFolder folder;
+  const Frame frame = noise_frame(small_camera(), convention_from_name("icg20"), 3);
+  Frame unlabelled = frame;
+  unlabelled.truth.reset();
+  H5Writer writer(folder / "a.h5", options_for(0, 2));
+  writer.write(0, frame);
+  writer.write(1, unlabelled);
+  writer.finish();
+  const H5Source source(folder / "a.h5");
+  testing::expect_near(*source.read(0).truth, converted(*frame.truth, superset_convention()), 1e-4, 1e-4);
+  EXPECT_FALSE(source.read(1).truth);
+}
+
+TEST(H5, AnInterruptedRunGoesOn) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  {
+    H5Writer writer(path, options_for(10, 6));
+    for (const int i : {12, 10, 15}) writer.write(i, noisy_frame(i));
+  }
+  EXPECT_FALSE(fs::exists(path));
+  H5Writer writer(path, options_for(10, 6));
+  for (std::int64_t i = 10; i < 16; ++i) {
+    EXPECT_EQ(writer.has(i), i == 10 || i == 12 || i == 15) << i;
+    if (!writer.has(i)) writer.write(i, noisy_frame(i));
+  }
+  writer.finish();
+  expect_frames(path, 10, 6);
+}
+
+TEST(H5, AKilledRunGoesOn) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  constexpr std::int64_t kCount = 700;
+  // The child dies without closing the file, in the midst of its work.
+  EXPECT_EXIT(
+      {
+        H5Writer writer(path, options_for(0, kCount));
+        for (std::int64_t i = 0; i < 600; ++i) writer.write(i, noisy_frame(i));
+        std::_Exit(7);
+      },
+      ::testing::ExitedWithCode(7), "");
+  EXPECT_THAT(error_of_h5_set(folder / "a.h5.partial"), HasSubstr("a.h5.partial"));
+  H5Writer writer(path, options_for(0, kCount));
+  std::int64_t kept = 0;
+  for (std::int64_t i = 0; i < kCount; ++i) {
+    if (writer.has(i)) {
+      ++kept;
+    } else {
+      writer.write(i, noisy_frame(i));
+    }
+  }
+  EXPECT_EQ(kept, 600);
+  writer.finish();
+  expect_frames(path, 0, kCount);
+}
+
+TEST(H5, ADamagedRemainderIsBegunAnew) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  for (const int cut : {0, 1, 50, 2000, 20000}) {
+    {
+      H5Writer writer(path, options_for(0, 20));
+      for (std::int64_t i = 0; i < 19; ++i) writer.write(i, noisy_frame(i));
+    }
+    fs::remove(path);
+    testing::cut_file(folder / "a.h5.partial", static_cast<std::uintmax_t>(cut));
+    H5Writer writer(path, options_for(0, 20));
+    for (std::int64_t i = 0; i < 20; ++i)
+      if (!writer.has(i)) writer.write(i, noisy_frame(i));
+    writer.finish();
+    expect_frames(path, 0, 20);
+  }
+}
+
+TEST(H5, ARemainderOfAnotherRunIsNotTouched) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  { H5Writer(path, options_for(0, 4)).write(1, noisy_frame(1)); }
+  EXPECT_THAT(error_of([&] { H5Writer(path, options_for(0, 4, "a = 2")); }),
+              AllOf(HasSubstr("a.h5.partial"), HasSubstr("another manifest")));
+  EXPECT_THAT(error_of([&] { H5Writer(path, options_for(0, 5)); }), HasSubstr("other frames"));
+  EXPECT_THAT(error_of([&] { H5Writer(path, options_for(1, 4)); }), HasSubstr("other frames"));
+  EXPECT_TRUE(H5Writer(path, options_for(0, 4)).has(1));
+}
+
+TEST(H5, AnUnfinishedSetIsNoSource) {
+  const testing::TemporaryFolder folder;
+  { H5Writer(folder / "a.h5", options_for(0, 4)).write(1, noisy_frame(1)); }
+  EXPECT_THAT(error_of_h5_set(folder / "a.h5.partial"),
+              AllOf(HasSubstr("a.h5.partial"), HasSubstr("unfinished")));
+  H5Writer writer(folder / "a.h5", options_for(0, 4));
+  EXPECT_THAT(error_of([&] { writer.finish(); }), AllOf(HasSubstr("a.h5"), HasSubstr("3 of 4 frames")));
+  EXPECT_FALSE(fs::exists(folder / "a.h5"));
+}
+
+TEST(H5, NamesFileAndFault) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("missing")));
+  put_file(path, "this is no HDF5 file");
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("HDF5")));
+  Hdf5File::create(path).close();
+  EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("format")));
+}
+
+TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  const auto error_after = [&](const std::function<void(Hdf5File&)>& spoil) {
+    fs::remove(path);
+    write_set(path, 0, 3);
+    Hdf5File file = Hdf5File::open_for_writing(path);
+    spoil(file);
+    file.close();
+    return error_of_h5_set(path);
+  };
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("version", 3); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("version 3")));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("complete", 0); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("unfinished")));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const double no_focal_length[] = {0.0, 31.25, 11.7, 8.4};
+                file.write_rows(kH5Intrinsics, 0, 1, no_focal_length);
+              }),
+              AllOf(HasSubstr("a.h5: intrinsics: frame 0"), HasSubstr("fx")));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const std::int8_t third_hand = 2;
+                file.write_rows(kH5Side, 0, 1, &third_hand);
+              }),
+              AllOf(HasSubstr("a.h5: frame 0"), HasSubstr("side is 2")));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("format", "knuckle-body"); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("knuckle-body")));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("width", 25); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("3 x 18 x 24, expected 3 x 18 x 25")));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("height", 17.5); }),
+              HasSubstr("'height' is 17.5"));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("fx", 0); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("fx")));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("depth_unit_mm", -1); }),
+              HasSubstr("depth_unit_mm"));
+  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("camera_model", "fisheye"); }),
+              HasSubstr("fisheye"));
+}
+
+TEST(H5, RefusesEachArrayOfAnotherShape) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  /// A set of two frames in which the array `wrong` has three rows.
+  const auto write_with_wrong = [&](std::string_view wrong) {
+    const auto rows = [&](std::string_view array) { return std::uint64_t{array == wrong ? 3u : 2u}; };
+    Hdf5File file = Hdf5File::create(path);
+    file.set_attribute("format", kH5Format);
+    file.set_attribute("version", kH5Version);
+    file.set_attribute("complete", 1);
+    file.set_attribute("first_index", 0);
+    file.set_attribute("depth_unit_mm", 0.1);
+    write_camera(file, small_camera());
+    const std::vector<std::uint16_t> pixels(std::size_t{3} * 18 * 24);
+    file.write<std::uint16_t>(kH5Depth, {2, 18, 24}, pixels.data());
+    file.write<std::uint16_t>(kH5Infrared, {rows(kH5Infrared), 18, 24}, pixels.data());
+    file.write<std::uint16_t>(kH5Mask, {rows(kH5Mask), 18, 24}, pixels.data());
+    file.write<float>(kH5Joints, {rows(kH5Joints), 22, 3}, std::vector<float>(198, 500.0f).data());
+    file.write<double>(kH5Intrinsics, {rows(kH5Intrinsics), 4}, std::vector<double>(12, 30.0).data());
+    file.close();
+  };
+  write_with_wrong("");
+  EXPECT_EQ(H5Source(path).read(1).camera.fx, 30.0);
+  for (const std::string_view array : {kH5Infrared, kH5Mask, kH5Joints, kH5Intrinsics}) {
+    write_with_wrong(array);
+    EXPECT_THAT(error_of_h5_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3 x ", array)));
+  }
+}
+
+TEST(H5, RefusesAFileCutShortAnywhere) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  write_set(path, 0, 5);
+  const auto bytes = fs::file_size(path);
+  for (std::uintmax_t cut = bytes - 1; cut > 0; cut -= std::min(cut, bytes / 25 + 1)) {
+    testing::cut_file(path, cut);
+    EXPECT_THAT(error_of_h5_set(path), HasSubstr("a.h5")) << cut << " of " << bytes;
+  }
+}
+
+}  // namespace
+}  // namespace knuckle

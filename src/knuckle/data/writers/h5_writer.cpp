@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/writers/h5_writer.h"
+
+#include <algorithm>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/landmarks.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/core/text.h"
+#include "knuckle/data/readers/h5_format.h"
+#include "knuckle/storage/file_io.h"
+
+namespace fs = std::filesystem;
+
+namespace knuckle {
+namespace {
+
+fs::path with_suffix(fs::path path, std::string_view suffix) {
+  path += suffix;
+  return path;
+}
+
+fs::path log_path(const fs::path& path, const FrameWriterOptions& options) {
+  if (options.count < 1) fail("{}: the number of frames must be known before the first", path.string());
+  return with_suffix(path, ".partial");
+}
+
+/// All that the frames of a run depend on.
+std::string identity_of(const FrameWriterOptions& options) {
+  return fmt::format("first {}\ncount {}\ndepth_unit_mm {}\n{}", options.first, options.count,
+                     options.depth_unit_mm, options.manifest);
+}
+
+std::string landmark_names() {
+  std::vector<std::string> names;
+  for (const Landmark landmark : superset_convention().landmarks) names.emplace_back(name_of(landmark));
+  return joined(names);
+}
+
+/// Collects the small arrays of a file, a row a frame, and writes them many rows at a time.
+template <class T>
+class RowBlock {
+ public:
+  RowBlock(Hdf5File& file, std::string_view array) : file_(file), array_(array) {}
+
+  template <class Row>
+  void add(const Row& row) {
+    constexpr std::uint64_t kRowsAtOnce = 4096;
+    values_.insert(values_.end(), row.begin(), row.end());
+    if (++rows_ == kRowsAtOnce) write();
+  }
+  void write() {
+    if (rows_ > 0) file_.write_rows(array_, first_, rows_, values_.data());
+    first_ += std::exchange(rows_, 0);
+    values_.clear();
+  }
+
+ private:
+  Hdf5File& file_;
+  std::string_view array_;
+  std::uint64_t first_ = 0;
+  std::uint64_t rows_ = 0;
+  std::vector<T> values_;
+};
+
+}  // namespace
+
+H5Writer::H5Writer(fs::path path, const FrameWriterOptions& options)
+    : path_(std::move(path)),
+      options_(options),
+      ledger_(path_.string(), options, FrameCameras::of_one_size),
+      log_(log_path(path_, options), identity_of(options)) {
+  restore();
+}
+
+void H5Writer::restore() {
+  const std::vector<std::int64_t> indices = log_.indices();
+  if (indices.empty()) return;
+  const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
+  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty()},
+                  {indices.begin(), indices.end()});
+}
+
+void H5Writer::write(std::int64_t index, const Frame& frame) {
+  ledger_.enter(index, frame);
+  const std::string where = fmt::format("{}: frame {}", path_.string(), index);
+  log_.append(index, to_bytes(stored_frame(frame, options_.depth_unit_mm, where)));
+  ledger_.note_written(index);
+}
+
+void H5Writer::create_arrays(Hdf5File& file) const {
+  const FrameLayout layout = *ledger_.layout();
+  const auto count = static_cast<std::uint64_t>(options_.count);
+  const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(layout.camera.height),
+                                          static_cast<std::uint64_t>(layout.camera.width)};
+  constexpr Hdf5File::Storage kAFrameAChunk{1, 1};
+  file.create_dataset<std::uint16_t>(kH5Depth, images, kAFrameAChunk);
+  if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kAFrameAChunk);
+  if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kAFrameAChunk);
+  file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
+  file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
+  file.create_dataset<std::int8_t>(kH5Side, {count}, {});
+}
+
+void H5Writer::write_frames(Hdf5File& file) const {
+  RowBlock<float> joints(file, kH5Joints);
+  RowBlock<double> intrinsics(file, kH5Intrinsics);
+  RowBlock<std::int8_t> sides(file, kH5Side);
+  Progress progress("assemble", "frames", options_.count);
+  for (std::int64_t i = 0; i < options_.count; ++i) {
+    const StoredFrame frame = stored_frame_from(log_.read(options_.first + i));
+    const auto row = static_cast<std::uint64_t>(i);
+    file.write_chunk(kH5Depth, row, frame.depth);
+    if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
+    if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
+    joints.add(frame.joints_mm);
+    intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
+    sides.add(std::array{frame.side});
+    progress.advance();
+  }
+  joints.write();
+  intrinsics.write();
+  sides.write();
+}
+
+void H5Writer::write_whole(const fs::path& path) const {
+  Hdf5File file = Hdf5File::create(path);
+  file.set_attribute("format", kH5Format);
+  file.set_attribute("version", kH5Version);
+  file.set_attribute("complete", 0);
+  file.set_attribute("first_index", static_cast<double>(options_.first));
+  file.set_attribute("manifest", options_.manifest);
+  file.set_attribute("depth_unit_mm", options_.depth_unit_mm);
+  file.set_attribute("joints_unit", "mm, in camera coordinates: x right, y down, z forward");
+  file.set_attribute("landmarks", landmark_names());
+  write_camera(file, stored_frame_from(log_.read(options_.first)).camera);
+  create_arrays(file);
+  write_frames(file);
+  file.set_attribute("complete", 1);
+  file.close();
+}
+
+void H5Writer::finish() {
+  ledger_.require_complete();
+  const fs::path whole = with_suffix(path_, ".assembled");
+  try {
+    write_whole(whole);
+    publish_file(whole, path_);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(whole, ignored);  // the log keeps the frames
+    throw;
+  }
+  log_.remove();
+}
+
+}  // namespace knuckle

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/eval/metrics/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/text.h"
+
+namespace knuckle {
+namespace {
+
+void check_names(const std::vector<Predictions>& methods) {
+  if (methods.empty()) fail("nothing to evaluate: expected at least one method's predictions");
+  std::set<std::string_view> names;
+  for (const Predictions& method : methods) {
+    if (!names.insert(method.name).second) fail("{}: two methods have this name", method.name);
+  }
+}
+
+/// Keeps a single projection where all frames have the same camera.
+void merge_equal_projections(std::vector<Projection>& projections) {
+  const auto is_first = [&](const Projection& projection) {
+    return projection.camera() == projections.front().camera();
+  };
+  if (std::ranges::all_of(projections, is_first))
+    projections.erase(projections.begin() + 1, projections.end());
+}
+
+int size_around(double principal_point) {
+  constexpr double kLargestSize = 1e6;  // [px]
+  return static_cast<int>(std::clamp(std::ceil(2.0 * principal_point), 1.0, kLargestSize));
+}
+
+}  // namespace
+
+Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods) {
+  check_names(methods);
+  Evaluation evaluation{truth.sequence.origin, truth.sequence.convention, {}};
+  evaluation.methods.resize(methods.size());
+  parallel_for(static_cast<std::int64_t>(methods.size()), [&](std::int64_t i) {
+    evaluation.methods[i] = score(joint_errors(truth, methods[i]), methods[i].name);
+  });
+  return evaluation;
+}
+
+Camera camera_from_text(std::string_view text) {
+  const std::string where = fmt::format("camera '{}'", text);
+  const std::vector<double> values = parse_numbers(text, where);
+  if (values.size() != 4) fail("{}: expected fx,fy,cx,cy, found {} values", where, values.size());
+  for (const double value : values) {
+    if (!std::isfinite(value)) fail("{}: expected finite numbers", where);
+  }
+  Camera camera;
+  camera.fx = values[0];
+  camera.fy = values[1];
+  camera.cx = values[2];
+  camera.cy = values[3];
+  camera.width = size_around(camera.cx);
+  camera.height = size_around(camera.cy);
+  if (camera.fx == 0.0 || camera.fy == 0.0) fail("{}: a focal length must not be 0", where);
+  return camera;
+}
+
+Truth truth_from_file(const std::filesystem::path& path, const std::optional<Convention>& convention,
+                      const Camera& camera, PixelOrigin origin) {
+  const Projection projection(with_pixel_origin(camera, origin, PixelOrigin::centre));
+  return {read_poses_file(path, convention, origin), {projection}};
+}
+
+Truth truth_from_source(const FrameSource& source, const std::string& name) {
+  const std::optional<Convention> convention = source.convention();
+  if (!convention) fail("{}: this source has no truth to compare with", name);
+  std::vector<FrameLabel> labels(static_cast<std::size_t>(source.size()));
+  parallel_for(source.size(), [&](std::int64_t i) { labels[i] = source.read_label(i); });
+  Truth truth{{name, *convention, {}}, {}};
+  for (FrameLabel& label : labels) {
+    truth.sequence.poses.push_back(label.truth ? std::move(*label.truth) : HandPose::missing(*convention));
+    truth.projections.emplace_back(label.camera);
+  }
+  merge_equal_projections(truth.projections);
+  return truth;
+}
+
+NamedPath named_path_from_text(std::string_view text) {
+  const std::size_t end = text.find('=');
+  if (end == std::string_view::npos || end == 0 || end + 1 == text.size()) {
+    fail("predictions '{}': expected NAME=PATH", text);
+  }
+  return {std::string(text.substr(0, end)), std::filesystem::path(text.substr(end + 1))};
+}
+
+std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files,
+                                                const std::optional<Convention>& convention,
+                                                PixelOrigin origin) {
+  std::vector<Predictions> methods(files.size());
+  parallel_for(static_cast<std::int64_t>(files.size()), [&](std::int64_t i) {
+    methods[i] = {files[i].name, read_poses_file(files[i].path, convention, origin)};
+  });
+  return methods;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "knuckle/data/frame_source.h"
+#include "knuckle/eval/metrics/metrics.h"
+
+namespace knuckle {
+
+/// What a comparison of methods found out.
+struct Evaluation {
+  std::string truth;      ///< where the truth comes from
+  Convention convention;  ///< of the truth
+  std::vector<MethodScore> methods;
+};
+
+/// Scores every method against the truth, on all threads. Throws an Error where predictions do not fit the
+/// truth (joint_errors says when), two methods have one name, or there is no method.
+Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods);
+
+/// The camera of the option `--camera fx,fy,cx,cy` [px]; a negative fy is a y axis that points up. Its size
+/// is not known and set to twice the principal point: enough to convert poses. Throws an Error that quotes a
+/// faulty text.
+Camera camera_from_text(std::string_view text);
+
+/// Truth from a poses file seen by one camera. `origin`: pixel origin of the file and of the camera's
+/// principal point.
+Truth truth_from_file(const std::filesystem::path& path, const std::optional<Convention>& convention,
+                      const Camera& camera, PixelOrigin origin = PixelOrigin::centre);
+
+/// Truth from a source's labels; opens no image where the source can do without. `name` is the source's, for
+/// messages. Throws an Error where the source has no truth.
+Truth truth_from_source(const FrameSource& source, const std::string& name);
+
+/// One `NAME=PATH` of the option `--predictions`.
+struct NamedPath {
+  std::string name;
+  std::filesystem::path path;
+};
+
+/// Throws an Error that quotes a text without name or path.
+NamedPath named_path_from_text(std::string_view text);
+
+/// Reads the files of all methods, on all threads.
+std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files,
+                                                const std::optional<Convention>& convention,
+                                                PixelOrigin origin = PixelOrigin::centre);
+
+}  // namespace knuckle

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/eval/metrics/evaluation.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/eval/metrics/eval_fixtures.h"
+#include "knuckle/eval/metrics/score_files.h"
+
+namespace knuckle {
+namespace {
+
+using knuckle::testing::error_of;
+using knuckle::testing::TemporaryFolder;
+using testing::example_predictions;
+using testing::example_truth;
+using testing::FakeSource;
+using ::testing::HasSubstr;
+
+TEST(CameraText, HoldsFocalLengthsAndPrincipalPoint) {
+  const Camera camera = camera_from_text("588.03,-587.07,320,240");
+  EXPECT_EQ(camera.fx, 588.03);
+  EXPECT_EQ(camera.fy, -587.07);
+  EXPECT_EQ(camera.cx, 320.0);
+  EXPECT_EQ(camera.cy, 240.0);
+  const Point3 point = Projection(camera).to_camera(ImagePoint{420.0, 140.0, 500.0});
+  EXPECT_NEAR(point.x(), 100.0 * 500.0 / 588.03, 1e-9);
+  EXPECT_NEAR(point.y(), 100.0 * 500.0 / 587.07, 1e-9);  // up is positive
+}
+
+TEST(CameraText, FaultsAreQuoted) {
+  for (const std::string text :
+       {"1,2,3", "1,2,3,4,5", "1,2,3,x", "0,1,2,3", "1,0,2,3", "nan,1,2,3", "inf,1,2,3", ""}) {
+    EXPECT_THAT(error_of([&] { camera_from_text(text); }), HasSubstr("'" + text + "'"));
+  }
+}
+
+TEST(NamedPath, IsCutAtTheFirstEqualsSign) {
+  const NamedPath named = named_path_from_text("DeepPrior++=a=b.txt");
+  EXPECT_EQ(named.name, "DeepPrior++");
+  EXPECT_EQ(named.path, "a=b.txt");
+  for (const std::string text : {"a", "=b", "a="}) {
+    EXPECT_THAT(error_of([&] { named_path_from_text(text); }), HasSubstr("'" + text + "'"));
+  }
+}
+
+TEST(Evaluate, RefusesNoMethodAndEqualNames) {
+  const Truth truth = example_truth(4);
+  EXPECT_THAT(error_of([&] { evaluate(truth, {}); }), HasSubstr("at least one"));
+  const std::vector<Predictions> twice = {example_predictions(truth, "a", 1.0),
+                                          example_predictions(truth, "a", 2.0)};
+  EXPECT_THAT(error_of([&] { evaluate(truth, twice); }), HasSubstr("a: two methods"));
+}
+
+TEST(Evaluate, GivesTheSameForAnyNumberOfThreads) {
+  const Truth truth = example_truth(50);
+  const std::vector<Predictions> methods = {example_predictions(truth, "a", 1.0),
+                                            example_predictions(truth, "b", 9.0)};
+  set_thread_count(1);
+  const std::string one = to_json(evaluate(truth, methods)) + curves_csv(evaluate(truth, methods));
+  set_thread_count(4);
+  const std::string four = to_json(evaluate(truth, methods)) + curves_csv(evaluate(truth, methods));
+  set_thread_count(0);
+  EXPECT_EQ(one, four);
+}
+
+TEST(Evaluate, ASignOfTheYAxisChangesNothing) {
+  Truth truth = example_truth(10);
+  const std::vector<Predictions> methods = {example_predictions(truth, "a", 3.0)};
+  const double down = evaluate(truth, methods).methods[0].mean_3d_mm;
+  Camera camera = truth.projections[0].camera();
+  camera.fy = -camera.fy;
+  truth.projections = {Projection(camera)};
+  EXPECT_NEAR(evaluate(truth, methods).methods[0].mean_3d_mm, down, 1e-12);
+}
+
+TEST(Evaluate, ReadsTruthFromASource) {
+  const Truth expected = example_truth(6);
+  const FakeSource source(expected);
+  const Truth truth = truth_from_source(source, "fake:source");
+  EXPECT_EQ(truth.sequence.convention, expected.sequence.convention);
+  EXPECT_EQ(truth.projections.size(), 1u);  // all frames have one camera
+  const MethodScore score = evaluate(truth, {example_predictions(expected, "perfect", 0.0)}).methods[0];
+  EXPECT_EQ(score.mean_3d_mm, 0.0);
+  EXPECT_EQ(score.frames, 6);
+}
+
+TEST(Evaluate, ASourceWithoutTruthIsNamed) {
+  const FakeSource source;
+  EXPECT_THAT(error_of([&] { truth_from_source(source, "fake:source"); }),
+              AllOf(HasSubstr("fake:source"), HasSubstr("no truth")));
+}
+
+TEST(Evaluate, FilesWithFewerLinesAreNamed) {
+  const TemporaryFolder folder;
+  const Truth truth = example_truth(5);
+  const auto& poses = truth.sequence.poses;
+  write_poses_file(folder / "truth.txt", truth.sequence.convention, poses);
+  write_poses_file(folder / "short.txt", truth.sequence.convention, std::span(poses).first(3));
+  const Truth read = truth_from_file(folder / "truth.txt", std::nullopt, camera_from_text("500,500,320,240"));
+  const std::vector<NamedPath> files = {{"short", folder / "short.txt"}};
+  EXPECT_THAT(
+      error_of([&] { evaluate(read, predictions_from_files(files, std::nullopt)); }),
+      AllOf(HasSubstr("short.txt"), HasSubstr("3 frames"), HasSubstr("truth.txt"), HasSubstr("has 5")));
+}
+
+TEST(ScoreFiles, JsonHasTheAgreedKeys) {
+  const Truth truth = example_truth(8);
+  Predictions nothing = example_predictions(truth, "nothing \"quoted\"", 1.0);
+  for (HandPose& pose : nothing.sequence.poses) pose = HandPose::missing(pose.convention);
+  const nlohmann::json json =
+      nlohmann::json::parse(to_json(evaluate(truth, {example_predictions(truth, "x", 4.0), nothing})));
+  EXPECT_EQ(json["convention"], "icg20");
+  ASSERT_EQ(json["methods"].size(), 2u);
+  const nlohmann::json& method = json["methods"][0];
+  std::vector<std::string> keys;
+  for (const auto& item : method.items()) keys.push_back(item.key());
+  EXPECT_THAT(keys, ::testing::UnorderedElementsAre("name", "frames", "missing", "joints", "mean_3d_mm",
+                                                    "median_3d_mm", "mean_2d_px", "per_joint_3d_mm",
+                                                    "frames_all_joints_within", "auc_pck_0_50"));
+  EXPECT_EQ(method["name"], "x");
+  EXPECT_EQ(method["frames"], 8);
+  EXPECT_EQ(method["joints"].size(), 20u);
+  EXPECT_EQ(method["joints"][0], "palm");
+  EXPECT_EQ(method["per_joint_3d_mm"].size(), 20u);
+  EXPECT_TRUE(method["frames_all_joints_within"].contains("20"));
+  EXPECT_TRUE(method["frames_all_joints_within"].contains("40"));
+  EXPECT_EQ(json["methods"][1]["missing"], 8);
+  EXPECT_TRUE(json["methods"][1]["mean_3d_mm"].is_null());
+}
+
+TEST(ScoreFiles, CsvQuotesNamesWithSeparators) {
+  const Truth truth = example_truth(3);
+  const Evaluation evaluation = evaluate(truth, {example_predictions(truth, "a,\"b\"", 2.0)});
+  EXPECT_THAT(joints_csv(evaluation), HasSubstr("\n\"a,\"\"b\"\"\",palm,3,"));
+  const std::string curves = curves_csv(evaluation);
+  EXPECT_EQ(std::ranges::count(curves, '\n'), 1 + 81);
+  EXPECT_THAT(curves, HasSubstr(",80,1.000000,1.000000,1.000000\n"));
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/segmentation_metrics.h"
+
+namespace knuckle {
+
+/// The scores as JSON (the keys of DESIGN.md, section 4); a number that is not known is null.
+std::string to_json(const Evaluation& evaluation);
+
+/// The same with what is known of segmentation, under `segmentation`: name, frames, missing, mean_iou,
+/// median_iou and the part of frames with an overlap above 0.5 and 0.75 of each method. Both parts may be
+/// missing.
+std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes);
+
+/// A field of a CSV file: in quotes where it holds a separator, quote or line end.
+std::string csv_field(const std::string& text);
+
+/// The overlap curves as CSV: method, threshold, frames_above.
+std::string overlaps_csv(std::span<const SegmentationScore> boxes);
+
+/// The curves as CSV: method, threshold_mm, frames_all_joints_within, frames_mean_within, joints_within.
+std::string curves_csv(const Evaluation& evaluation);
+
+/// The errors joint by joint as CSV: method, joint, frames, mean_3d_mm, median_3d_mm, mean_2d_px,
+/// median_2d_px.
+std::string joints_csv(const Evaluation& evaluation);
+
+}  // namespace knuckle

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/hand/hand_collision.h"
+
+#include <Eigen/Geometry>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/synth/pose/hand_sampler.h"
+
+namespace knuckle {
+namespace {
+
+/// A flat open hand: fingers 20 mm apart along y, thumb aside.
+std::array<Point3, kSupersetSize> open_hand() {
+  std::array<Point3, kSupersetSize> points;
+  points[0] = {0, 0, 0};
+  points[1] = {0, 50, 0};
+  for (int part = 0; part < 4; ++part) {
+    points[2 + part] = {30.0 + 20.0 * part, 20.0 + 15.0 * part, 0};
+    for (int finger = 0; finger < 4; ++finger) {
+      points[6 + 4 * finger + part] = {30.0 - 20.0 * finger, 95.0 + 25.0 * part, 0};
+    }
+  }
+  return points;
+}
+
+TEST(HandCollision, AnOpenHandIsFree) {
+  EXPECT_EQ(worst_penetration_mm(open_hand()), 0.0);
+}
+
+TEST(HandCollision, CrossedFingersTouch) {
+  auto points = open_hand();
+  const auto index_tip = static_cast<std::size_t>(Landmark::index_tip);
+  const auto middle_tip = static_cast<std::size_t>(Landmark::middle_tip);
+  std::swap(points[index_tip], points[middle_tip]);
+  EXPECT_GT(worst_penetration_mm(points), 10.0);
+}
+
+TEST(HandCollision, TheDepthIsThatOfTwoCapsules) {
+  auto points = open_hand();
+  const auto tip = static_cast<std::size_t>(Landmark::index_tip);
+  points[tip - 1] = {18, 145, 0};  // the index finger's end beside the middle finger's, 8 mm off
+  points[tip] = {18, 170, 0};
+  const double radius = 0.078 * (points[static_cast<std::size_t>(Landmark::middle_mcp)] - points[0]).norm();
+  EXPECT_NEAR(worst_penetration_mm(points), 2.0 * radius - 8.0, 0.01);
+}
+
+TEST(HandCollision, DoesNotDependOnTheView) {
+  auto points = open_hand();
+  points[static_cast<std::size_t>(Landmark::thumb_tip)] = {20, 100, 0};
+  const double before = worst_penetration_mm(points);
+  EXPECT_GT(before, 1.0);
+  const Eigen::AngleAxisd turn(1.1, Eigen::Vector3d(1, 2, 3).normalized());
+  for (Point3& point : points) point = turn * point + Point3(5, 6, 700);
+  EXPECT_NEAR(worst_penetration_mm(points), before, 1e-9);
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/inputs.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "knuckle/core/options.h"
+#include "knuckle/data/source_spec.h"
+#include "knuckle/storage/content_hash.h"
+
+namespace knuckle {
+namespace {
+
+std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace
+
+Inputs& Inputs::add(std::string_view name, std::string_view value) {
+  text_ += fmt::format("{}: {}\n", name, value);
+  return *this;
+}
+
+Inputs& Inputs::add_content(std::string_view name, const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return add(name, content_hash(path));
+  for (const std::filesystem::path& file : files_below(path)) {
+    add(fmt::format("{}/{}", name, std::filesystem::relative(file, path).string()), content_hash(file));
+  }
+  return *this;
+}
+
+Inputs& Inputs::add_content_if_there(std::string_view name, const std::filesystem::path& path) {
+  return std::filesystem::exists(path) ? add_content(name, path) : add(name, "none");
+}
+
+Inputs& Inputs::add_source(std::string_view name, const std::string& source) {
+  const SourceSpec spec = parse_source_spec(source);
+  const std::size_t settings = std::min(source.find('?'), source.size());
+  add(name, fmt::format("{}{}", spec.kind, source.substr(settings)));
+  return add_content(fmt::format("{} content", name), spec.path);
+}
+
+Inputs& Inputs::add_pipeline(const std::filesystem::path& pipeline) {
+  add_content("pipeline", pipeline);
+  const OptionTable document = OptionTable::load(pipeline);
+  for (const char* table : {"segmentation", "estimator"}) {
+    const std::string model = document.table(table).text_or("model", "");
+    if (!model.empty()) add_content(fmt::format("{} model", table), document.resolved_path(model));
+  }
+  return *this;
+}
+
+}  // namespace knuckle

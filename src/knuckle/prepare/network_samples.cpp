@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/network_samples.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/patch/cube_patch.h"
+#include "knuckle/prepare/open_source.h"
+
+namespace knuckle {
+namespace {
+
+constexpr double kFarthestCentreMm = 80.0;
+
+/// The mean of the joints that are known, in the camera.
+std::optional<Point3> mean_joint(const Frame& frame, const HandPose& truth) {
+  const Projection projection(frame.camera);
+  Point3 sum = Point3::Zero();
+  int count = 0;
+  for (const ImagePoint& joint : truth.joints) {
+    if (joint.is_missing()) continue;
+    sum += projection.to_camera(joint);
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+class SampleCollector {
+ public:
+  SampleCollector(const FrameSource& source, const HandFinder& finder, const SampleOptions& options,
+                  std::int64_t count)
+      : source_(source),
+        finder_(finder),
+        options_(options),
+        count_(count),
+        samples_(count, options.convention.size(), options.patch, options.crop_px) {}
+
+  NetworkSamples collect() && {
+    Progress progress("samples", "frames", count_);
+    parallel_for(count_, [&](std::int64_t i) {
+      add(i, source_.read(i * source_.size() / count_));
+      progress.advance();
+    });
+    samples_.finish();
+    return {std::move(samples_), {count_, without_hand_, off_centre_}};
+  }
+
+ private:
+  void add(std::int64_t index, Frame frame) {
+    frame = as_right_hand(std::move(frame), finder_.hand());
+    const HandPose truth =
+        frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
+    const std::optional<Point3> middle = mean_joint(frame, truth);
+    const std::optional<Point3> centre = middle ? centre_of(frame, *middle) : std::nullopt;
+    if (!centre) {
+      ++without_hand_;
+      return;
+    }
+    if ((*centre - *middle).norm() > kFarthestCentreMm) {
+      ++off_centre_;
+      return;
+    }
+    const auto crop = extract_cube(frame, Projection(frame.camera).to_image(*centre), samples_.crop());
+    if (!crop) {
+      ++without_hand_;
+      return;
+    }
+    std::vector<PatchPoint> joints;
+    for (const ImagePoint& joint : truth.joints) joints.push_back(crop->geometry.to_patch(joint));
+    samples_.set(index, *crop, joints, *centre);
+  }
+
+  /// Where segmentation finds the hand.
+  std::optional<Point3> centre_of(const Frame& frame, const Point3& middle) const {
+    if (options_.start == Start::nearest) {
+      const Segmentation found = finder_.find_right(frame, std::nullopt);
+      const bool is_found =
+          !found.hands.empty() && (found.hands.front().centre - middle).norm() <= kFarthestCentreMm;
+      if (is_found) return found.hands.front().centre;
+    }
+    const Segmentation found = finder_.find_right(frame, true_start(frame));
+    if (found.hands.empty()) return std::nullopt;
+    return found.hands.front().centre;
+  }
+
+  const FrameSource& source_;
+  const HandFinder& finder_;
+  const SampleOptions& options_;
+  std::int64_t count_;
+  CubeSamples samples_;
+  std::atomic<std::int64_t> without_hand_ = 0;
+  std::atomic<std::int64_t> off_centre_ = 0;
+};
+
+}  // namespace
+
+NetworkSamples network_samples(const std::string& source_name, const HandFinder& finder,
+                               const SampleOptions& options) {
+  const auto source = open_source(source_name);
+  if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
+  const std::int64_t count = options.most > 0 ? std::min(options.most, source->size()) : source->size();
+  NetworkSamples result = SampleCollector(*source, finder, options, count).collect();
+  if (result.frames.used() == 0) {
+    fail(
+        "{}: no frame can be used: of {} frames segmentation found no hand in {}, and not the labelled one "
+        "in {}",
+        source_name, result.frames.total, result.frames.without_hand, result.frames.off_centre);
+  }
+  return result;
+}
+
+}  // namespace knuckle

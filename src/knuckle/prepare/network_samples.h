@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "knuckle/pipeline/hand_finder.h"
+#include "knuckle/pipeline/run.h"
+#include "knuckle/prepare/cube_samples.h"
+
+namespace knuckle {
+
+/// What became of the frames of a source of samples.
+struct SampleFrames {
+  std::int64_t total = 0;
+  std::int64_t without_hand = 0;  ///< segmentation found none, also from the truth
+  std::int64_t off_centre = 0;    ///< found elsewhere than the joints are
+  std::int64_t used() const { return total - without_hand - off_centre; }
+};
+
+/// Samples, and what became of the frames that they were cut from.
+struct NetworkSamples {
+  CubeSamples samples;
+  SampleFrames frames;
+};
+
+/// How samples are cut out of frames.
+struct SampleOptions {
+  Convention convention = superset_convention();
+  Cube patch;
+  int crop_px = 144;  ///< at least the patch's size
+  Start start = Start::nearest;
+  std::int64_t most = 0;  ///< frames taken of the source at most, evenly spread; 0: all
+};
+
+/// Cuts the hands out of a source's frames as a pipeline does at run time: around the centre that
+/// segmentation finds. Where it starts at the nearest point and ends elsewhere than at the hand, it starts
+/// again at the truth. Frames whose joints' mean is still more than 80 mm from the centre are left out. On
+/// all threads. Throws an Error where the source has no truth or no frame of it can be used.
+NetworkSamples network_samples(const std::string& source, const HandFinder& finder,
+                               const SampleOptions& options);
+
+}  // namespace knuckle

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/pose_forest_training.h"
+
+#include <atomic>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/prepare/open_source.h"
+
+namespace knuckle {
+namespace {
+
+Convention convention_of(const OptionTable& document) {
+  const std::string name = document.text_or("convention", "icg20");
+  try {
+    return convention_from_name(name);
+  } catch (const Error& error) {
+    document.fail_at("convention", error.what());
+  }
+}
+
+std::vector<PatchPoint> joints_in_patch(const HandPose& truth, const PatchGeometry& geometry) {
+  std::vector<PatchPoint> joints;
+  for (const ImagePoint& joint : truth.joints) joints.push_back(geometry.to_patch(joint));
+  return joints;
+}
+
+/// Fills the training set with the patches of a source, on all threads.
+class PatchCollector {
+ public:
+  PatchCollector(const PoseForestTrainingConfig& config, const FrameSource& source)
+      : config_(config),
+        source_(source),
+        extractor_(config.patch),
+        set_(source.size(), config.convention, extractor_.statistics()) {}
+
+  TrainingFrames collect() {
+    Progress progress("patches", "frames", source_.size());
+    parallel_for(source_.size(), [&](std::int64_t i) {
+      add(i, source_.read(i));
+      progress.advance();
+    });
+    return {source_.size(), without_hand_, with_missing_joints_};
+  }
+
+  const PoseTrainingSet& set() const { return set_; }
+
+ private:
+  void add(std::int64_t index, Frame frame) {
+    frame = as_right_hand(std::move(frame), config_.finder.hand());
+    const Segmentation found = config_.finder.find_right(frame, start_in(frame, config_.start));
+    const auto patch = found.hands.empty() ? std::nullopt : extractor_.extract(frame, found.hands.front());
+    if (!patch || !frame.truth) {
+      ++without_hand_;
+      return;
+    }
+    const HandPose truth = converted(*frame.truth, config_.convention);
+    if (set_.set(index, *patch, joints_in_patch(truth, patch->geometry)) ==
+        PoseTrainingSet::Kept::joint_missing) {
+      ++with_missing_joints_;
+    }
+  }
+
+  const PoseForestTrainingConfig& config_;
+  const FrameSource& source_;
+  PatchExtractor extractor_;
+  PoseTrainingSet set_;
+  std::atomic<std::int64_t> without_hand_ = 0;
+  std::atomic<std::int64_t> with_missing_joints_ = 0;
+};
+
+}  // namespace
+
+PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::path& path) {
+  const OptionTable document = OptionTable::load(path);
+  PoseForestTrainingConfig config{.source = source_in(document, "source"),
+                                  .convention = convention_of(document),
+                                  .start = start_from_name(document.choice_or("start", "truth", kStartNames)),
+                                  .finder = HandFinder(document),
+                                  .patch = {},
+                                  .forest = {},
+                                  .resolved_options = {}};
+  document.table("patch").read(config.patch);
+  document.table("forest").read(config.forest);
+  document.finish();
+  config.resolved_options = document.resolved_toml();
+  return config;
+}
+
+PoseForestTraining run_training(const PoseForestTrainingConfig& config,
+                                const std::filesystem::path& checkpoint) {
+  const auto source = open_source(config.source);
+  if (!source->convention()) fail("{}: the source has no truth to train on", config.source);
+  PatchCollector collector(config, *source);
+  const TrainingFrames frames = collector.collect();
+  if (frames.used() == 0) {
+    fail(
+        "{}: no frame can be trained on: of {} frames segmentation found no hand in {}, and {} lack a joint "
+        "of {}",
+        config.source, frames.total, frames.without_hand, frames.with_missing_joints, config.convention.name);
+  }
+  return {train_pose_forest(collector.set(), config.forest, checkpoint), frames};
+}
+
+}  // namespace knuckle

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/sample_cache.h"
+
+#include <fmt/format.h>
+
+#include "knuckle/prepare/sample_file.h"
+#include "knuckle/storage/content_hash.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle {
+namespace {
+
+Inputs inputs_of(const std::string& source, const Inputs& segmentation, const SampleOptions& options) {
+  Inputs inputs = segmentation;
+  inputs.add_source("source", source)
+      .add("convention", options.convention.name)
+      .add("patch", fmt::format("{} px, {} mm", options.patch.size_px, options.patch.side_mm))
+      .add("crop", fmt::format("{} px", options.crop_px))
+      .add("start", kStartNames[static_cast<std::size_t>(options.start)])
+      .add("most", fmt::format("{}", options.most));
+  return inputs;
+}
+
+}  // namespace
+
+SampleCache::SampleCache(std::filesystem::path folder) : folder_(std::move(folder)) {
+  if (!folder_.empty()) make_folder(folder_);
+}
+
+NetworkSamples SampleCache::samples(const std::string& source, const HandFinder& finder,
+                                    const Inputs& segmentation, const SampleOptions& options) const {
+  if (folder_.empty()) return network_samples(source, finder, options);
+  const Inputs inputs = inputs_of(source, segmentation, options);
+  const std::filesystem::path file = folder_ / fmt::format("samples_{}.h5", text_hash(inputs.text()));
+  if (std::filesystem::exists(file)) return read_samples(file, inputs);
+  NetworkSamples made = network_samples(source, finder, options);
+  write_samples(file, made, inputs);
+  return made;
+}
+
+}  // namespace knuckle

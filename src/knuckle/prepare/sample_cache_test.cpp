@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/sample_cache.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "knuckle/core/resources.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/prepare/sample_file.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Six rendered hands.
+class SampleCacheTest : public ::testing::Test {
+ protected:
+  SampleCacheTest() {
+    write_text_file(folder_ / "finder.toml", "[segmentation]\nmethod = \"mean_shift\"\n");
+    copy_manifest("demo.toml");
+    options_.patch = {32, 250.0};
+    options_.crop_px = 48;
+  }
+
+  void copy_manifest(const std::string& name) const {
+    write_text_file(folder_ / name, read_text_file(resource_path("manifests/demo.toml")));
+  }
+
+  NetworkSamples samples(const std::string& manifest = "demo.toml",
+                         const std::string& settings = "?count=6") {
+    const HandFinder finder = HandFinder::load(folder_ / "finder.toml");
+    return cache_.samples("synthetic:" + (folder_ / manifest).string() + settings, finder, segmentation_,
+                          options_);
+  }
+
+  std::vector<std::filesystem::path> files() const {
+    std::vector<std::filesystem::path> result;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "cache")) result.push_back(entry);
+    return result;
+  }
+
+  testing::TemporaryFolder folder_;
+  SampleCache cache_{folder_ / "cache"};
+  Inputs segmentation_;
+  SampleOptions options_;
+};
+
+void expect_same(const NetworkSamples& a, const NetworkSamples& b) {
+  ASSERT_EQ(a.samples.size(), b.samples.size());
+  EXPECT_EQ(a.samples.joint_count(), b.samples.joint_count());
+  EXPECT_EQ(a.samples.crop().size_px, b.samples.crop().size_px);
+  EXPECT_EQ(a.samples.crop().side_mm, b.samples.crop().side_mm);
+  EXPECT_EQ((std::array{a.frames.total, a.frames.without_hand, a.frames.off_centre}),
+            (std::array{b.frames.total, b.frames.without_hand, b.frames.off_centre}));
+  for (std::int64_t i = 0; i < a.samples.size(); ++i) {
+    const CubeSample first = a.samples.sample(i);
+    const CubeSample second = b.samples.sample(i);
+    EXPECT_TRUE(std::ranges::equal(first.codes, second.codes)) << i;
+    EXPECT_TRUE(std::ranges::equal(first.joints, second.joints)) << i;
+    EXPECT_EQ(first.centre_mm, second.centre_mm) << i;
+  }
+}
+
+TEST_F(SampleCacheTest, GivesTheSameSamplesAgainWithoutLookingAtTheFrames) {
+  const NetworkSamples made = samples();
+  ASSERT_GT(made.samples.size(), 3);
+  ASSERT_EQ(files().size(), 1u);
+  const auto written = std::filesystem::last_write_time(files()[0]);
+  expect_same(samples(), made);
+  EXPECT_EQ(std::filesystem::last_write_time(files()[0]), written);
+  EXPECT_LT(std::filesystem::file_size(files()[0]), made.samples.size() * 48 * 48 + 16384);
+}
+
+TEST_F(SampleCacheTest, MakesOthersWhereAnythingDiffersButTheManifestsPlace) {
+  const NetworkSamples made = samples();
+  copy_manifest("elsewhere.toml");
+  expect_same(samples("elsewhere.toml"), made);
+  EXPECT_EQ(files().size(), 1u);
+  EXPECT_EQ(samples("demo.toml", "?count=5").frames.total, 5);
+  EXPECT_EQ(files().size(), 2u);
+  options_.crop_px = 40;
+  EXPECT_EQ(samples().samples.crop_px(), 40);
+  EXPECT_EQ(files().size(), 3u);
+  options_.start = Start::truth;
+  samples();
+  EXPECT_EQ(files().size(), 4u);
+  segmentation_.add("bandwidth", "20 mm");
+  samples();
+  EXPECT_EQ(files().size(), 5u);
+  write_text_file(folder_ / "demo.toml", read_text_file(folder_ / "demo.toml") + "# changed\n");
+  samples();
+  EXPECT_EQ(files().size(), 6u);
+}
+
+TEST_F(SampleCacheTest, ADamagedOrForeignFileIsNamed) {
+  samples();
+  const std::filesystem::path file = files()[0];
+  const auto size = std::filesystem::file_size(file);
+  const std::string whole = read_text_file(file);
+  const auto fault = [&] { return error_of([&] { samples(); }); };
+  const auto names_it = AllOf(HasSubstr(file.filename().string()), Not(HasSubstr("\n")));
+  for (const std::uintmax_t length : {std::uintmax_t{0}, size / 3, size - 1000}) {
+    std::filesystem::resize_file(file, length);
+    EXPECT_THAT(fault(), names_it) << length;
+    write_text_file(file, whole);
+  }
+  {
+    Hdf5File changed = Hdf5File::open_for_writing(file);
+    const std::vector<double> nothing(3 * 6, NAN);
+    changed.write_rows("centres_mm", 0, 1, nothing.data());
+  }
+  EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("centre"), HasSubstr("remove the file")));
+  write_text_file(file, whole);
+  {
+    Hdf5File changed = Hdf5File::open_for_writing(file);
+    changed.set_attribute("inputs", "others");
+  }
+  EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("other sources or options")));
+}
+
+TEST_F(SampleCacheTest, NamesAFolderThatCannotBeMadeOrWrittenTo) {
+  write_text_file(folder_ / "file", "");
+  EXPECT_THAT(error_of([&] { SampleCache(folder_ / "file" / "cache"); }), HasSubstr("file/cache"));
+  std::filesystem::remove_all(folder_ / "cache");
+  EXPECT_THAT(error_of([&] { samples(); }), AllOf(HasSubstr("/cache/"), HasSubstr("samples_")));
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/sample_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/storage/content_hash.h"
+#include "knuckle/storage/deflate.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace knuckle {
+namespace {
+
+constexpr std::string_view kFormat = "knuckle-samples";
+constexpr int kVersion = 1;
+constexpr std::uint64_t kCoordinates = 3;
+constexpr std::uint64_t kRowsAtOnce = 1024;
+
+void write_arrays(Hdf5File& file, const CubeSamples& samples) {
+  const auto count = static_cast<std::uint64_t>(samples.size());
+  const auto crop = static_cast<std::uint64_t>(samples.crop_px());
+  file.create_dataset<std::uint8_t>("codes", {count, crop, crop}, {.rows_a_chunk = 1, .deflate_level = 1});
+  parallel_for(samples.size(), [&](std::int64_t i) {
+    file.write_chunk("codes", static_cast<std::uint64_t>(i), deflated(samples.sample(i).codes));
+  });
+  std::vector<float> joints;
+  std::vector<double> centres;
+  for (std::int64_t i = 0; i < samples.size(); ++i) {
+    const CubeSample sample = samples.sample(i);
+    joints.insert(joints.end(), sample.joints.begin(), sample.joints.end());
+    centres.insert(centres.end(), sample.centre_mm.begin(), sample.centre_mm.end());
+  }
+  file.write("joints", {count, static_cast<std::uint64_t>(samples.joint_count()), kCoordinates},
+             joints.data());
+  file.write("centres_mm", {count, kCoordinates}, centres.data());
+}
+
+/// Reads a file whose attributes fit already.
+class SampleReader {
+ public:
+  explicit SampleReader(const Hdf5File& file)
+      : file_(file), joints_(file.read<float>("joints")), centres_(file.read<double>("centres_mm")) {
+    const std::vector<std::uint64_t> codes = file.shape("codes");
+    const std::vector<double> patch = file.numbers_attribute("patch");
+    const bool fits = codes.size() == 3 && codes[1] == codes[2] && patch.size() == 2 &&
+                      joints_.shape.size() == 3 && joints_.shape[0] == codes[0] &&
+                      joints_.shape[2] == kCoordinates &&
+                      centres_.shape == std::vector{codes[0], kCoordinates};
+    if (!fits) damaged("the shapes of its arrays do not fit together");
+    if (!std::ranges::all_of(centres_.values, [](double x) { return std::isfinite(x); })) {
+      damaged("a centre is not finite");
+    }
+    if (std::ranges::any_of(joints_.values, [](float x) { return std::isinf(x); })) {
+      damaged("a joint is infinitely far away");
+    }
+    count_ = codes[0];
+    crop_px_ = static_cast<int>(codes[1]);
+    patch_ = {static_cast<int>(patch[0]), patch[1]};
+  }
+
+  CubeSamples read() const {
+    CubeSamples samples(static_cast<std::int64_t>(count_), static_cast<int>(joints_.shape[1]), patch_,
+                        crop_px_);
+    std::vector<std::uint8_t> codes(std::min(kRowsAtOnce, count_) * pixels());
+    for (std::uint64_t first = 0; first < count_; first += kRowsAtOnce) {
+      const std::uint64_t rows = std::min(kRowsAtOnce, count_ - first);
+      file_.read_rows("codes", first, rows, codes.data());
+      for (std::uint64_t row = 0; row < rows; ++row) {
+        samples.set(static_cast<std::int64_t>(first + row),
+                    sample(first + row, std::span(codes).subspan(row * pixels(), pixels())));
+      }
+    }
+    samples.finish();
+    return samples;
+  }
+
+ private:
+  [[noreturn]] void damaged(std::string_view why) const {
+    fail("{}: {}; remove the file, and it is made anew", file_.path().string(), why);
+  }
+  std::uint64_t pixels() const { return static_cast<std::uint64_t>(crop_px_) * crop_px_; }
+
+  CubeSample sample(std::uint64_t index, std::span<const std::uint8_t> codes) const {
+    const std::uint64_t numbers = joints_.shape[1] * kCoordinates;
+    return {codes, std::span(joints_.values).subspan(index * numbers, numbers),
+            Point3(centres_.values.data() + index * kCoordinates)};
+  }
+
+  const Hdf5File& file_;
+  Hdf5Array<float> joints_;
+  Hdf5Array<double> centres_;
+  std::uint64_t count_ = 0;
+  int crop_px_ = 0;
+  Cube patch_;
+};
+
+}  // namespace
+
+void write_samples(const std::filesystem::path& path, const NetworkSamples& samples, const Inputs& inputs) {
+  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+    Hdf5File file = Hdf5File::create(temporary);
+    const auto& [cut, frames] = samples;
+    file.set_attribute("format", kFormat);
+    file.set_attribute("version", double{kVersion});
+    file.set_attribute("inputs", text_hash(inputs.text()));
+    file.set_attribute("patch", {static_cast<double>(cut.patch().size_px), cut.patch().side_mm});
+    file.set_attribute("frames", {static_cast<double>(frames.total), static_cast<double>(frames.without_hand),
+                                  static_cast<double>(frames.off_centre)});
+    write_arrays(file, cut);
+    file.close();
+  });
+}
+
+NetworkSamples read_samples(const std::filesystem::path& path, const Inputs& inputs) {
+  const Hdf5File file = Hdf5File::open(path);
+  file.require_format(kFormat, kVersion);
+  if (file.text_attribute("inputs") != text_hash(inputs.text())) {
+    fail("{}: holds samples of other sources or options", path.string());
+  }
+  const std::vector<double> frames = file.numbers_attribute("frames");
+  if (frames.size() != 3) fail("{}: `frames` has {} numbers, expected 3", path.string(), frames.size());
+  return {SampleReader(file).read(),
+          {static_cast<std::int64_t>(frames[0]), static_cast<std::int64_t>(frames[1]),
+           static_cast<std::int64_t>(frames[2])}};
+}
+
+}  // namespace knuckle

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/train_pose_forest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+
+namespace {
+
+bool is_missing(const PatchPoint& point) {
+  return !(std::isfinite(point.u) && std::isfinite(point.v) && std::isfinite(point.d));
+}
+
+}  // namespace
+
+PoseTrainingSet::PoseTrainingSet(std::int64_t count, const Convention& convention, PatchStatistics statistics)
+    : convention_(convention),
+      statistics_(std::move(statistics)),
+      samples_(count, statistics_.size_px * statistics_.size_px,
+               static_cast<int>(convention.landmarks.size()) * kTargetsALandmark) {}
+
+PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& patch,
+                                           std::span<const PatchPoint> joints) {
+  if (patch.pixels.width() != statistics_.size_px || patch.pixels.height() != statistics_.size_px) {
+    fail("training sample {}: a patch of {} x {}, expected {} x {}", index, patch.pixels.width(),
+         patch.pixels.height(), statistics_.size_px, statistics_.size_px);
+  }
+  if (joints.size() != convention_.landmarks.size()) {
+    fail("training sample {}: {} joints, expected the {} of {}", index, joints.size(),
+         convention_.landmarks.size(), convention_.name);
+  }
+  if (std::ranges::any_of(joints, is_missing)) return Kept::joint_missing;
+  std::vector<float> targets;
+  targets.reserve(joints.size() * kTargetsALandmark);
+  for (const PatchPoint& joint : joints) {
+    targets.push_back(static_cast<float>(joint.u));
+    targets.push_back(static_cast<float>(joint.v));
+    targets.push_back(static_cast<float>(joint.d));
+  }
+  samples_.set(index, patch.pixels.pixels(), targets);
+  return Kept::yes;
+}
+
+void check_training_memory(std::int64_t count, const Convention& convention, int patch_size_px,
+                           const PoseForestTrainingOptions& options) {
+  const int targets = static_cast<int>(convention.landmarks.size()) * kTargetsALandmark;
+  check_training_memory(count, patch_size_px * patch_size_px, targets, options.forest);
+}
+
+PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
+                                  const std::filesystem::path& checkpoint) {
+  check_options(options, "pose forest training");
+  std::vector<double> target_weights;
+  for (std::size_t joint = 0; joint < set.convention().landmarks.size(); ++joint) {
+    target_weights.insert(target_weights.end(), {1.0, 1.0, options.depth_weight});
+  }
+  return {set.convention(), set.statistics(),
+          train_regression_forest(set.samples(), options.forest, {.checkpoint = checkpoint}, target_weights)};
+}
+
+}  // namespace knuckle

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/storage/content_hash.h"
+
+#include <string>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle {
+namespace {
+
+TEST(ContentHash, IsThatOfXxhsum) {
+  EXPECT_EQ(text_hash(""), "99aa06d3014798d86001c324468d497f");  // xxhsum -H2 of an empty file
+  const testing::TemporaryFolder folder;
+  write_text_file(folder / "empty", "");
+  EXPECT_EQ(content_hash(folder / "empty"), text_hash(""));
+}
+
+TEST(ContentHash, OfAFileLargerThanABlockIsThatOfItsText) {
+  const testing::TemporaryFolder folder;
+  std::string text(3'000'000, 'x');
+  write_text_file(folder / "file", text);
+  EXPECT_EQ(content_hash(folder / "file"), text_hash(text));
+  text[2'000'000] = 'y';
+  EXPECT_NE(content_hash(folder / "file"), text_hash(text));
+}
+
+TEST(ContentHash, NamesAMissingFile) {
+  EXPECT_THAT(testing::error_of([] { content_hash("none.h5"); }), ::testing::HasSubstr("none.h5"));
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/storage/deflate.h"
+
+#include <string_view>
+
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/storage/hdf5_file.h"
+
+namespace knuckle {
+namespace {
+
+/// What zlib, through HDF5, makes of a stream.
+std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& stream, std::size_t size) {
+  const testing::TemporaryFolder folder;
+  Hdf5File file = Hdf5File::create(folder / "a.h5");
+  file.create_dataset<std::uint8_t>("bytes", {1, size}, {1, 1});
+  file.write_chunk("bytes", 0, stream);
+  file.close();
+  return Hdf5File::open(folder / "a.h5").read<std::uint8_t>("bytes").values;
+}
+
+/// Plain areas beside noise of `values` different values.
+std::vector<std::uint8_t> patches(Random& random, std::size_t size, std::uint32_t values) {
+  std::vector<std::uint8_t> bytes;
+  while (bytes.size() < size) {
+    const std::size_t length = 1 + random.below(600);
+    const bool is_plain = random.below(2) == 0;
+    auto value = static_cast<std::uint8_t>(random.below(values));
+    for (std::size_t i = 0; i < length; ++i) {
+      if (!is_plain) value = static_cast<std::uint8_t>(random.below(values));
+      bytes.push_back(value);
+    }
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+TEST(Deflate, ZlibReadsWhatItMakes) {
+  Random random(5);
+  for (const std::size_t size : {1, 2, 3, 4, 257, 258, 259, 260, 1000, 40000}) {
+    for (const std::uint32_t values : {1u, 2u, 17u, 256u}) {
+      const std::vector<std::uint8_t> bytes = patches(random, size, values);
+      EXPECT_EQ(inflated(deflated(bytes), size), bytes) << size << " " << values;
+    }
+  }
+}
+
+TEST(Deflate, MakesPlainAreasSmallAndNoiseHardlyLarger) {
+  EXPECT_LT(deflated(std::vector<std::uint8_t>(100000, 7)).size(), 200u);
+  Random random(9);
+  std::vector<std::uint8_t> noise(100000);
+  for (auto& byte : noise) byte = static_cast<std::uint8_t>(random.below(256));
+  EXPECT_LT(deflated(noise).size(), 100500u);
+}
+
+TEST(Deflate, ChecksumOfAKnownText) {
+  const std::string_view text = "Wikipedia";  // 0x11e60398, the example that the checksum's article gives
+  EXPECT_EQ(adler32({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}), 0x11e60398u);
+}
+
+TEST(Deflate, ShuffledPutsLowBytesFirst) {
+  EXPECT_EQ(shuffled(std::vector<std::uint16_t>{0x0102, 0x0304}), (std::vector<std::uint8_t>{2, 4, 1, 3}));
+}
+
+}  // namespace
+}  // namespace knuckle

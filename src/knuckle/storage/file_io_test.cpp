@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/storage/file_io.h"
+
+#include <csignal>
+#include <fstream>
+
+#include <sys/resource.h>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::size_t entries_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(FileIoTest, LinesLoseTheirEndsWhateverTheseAre) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "lines.txt", "one\r\ntwo\n\nlast");
+  EXPECT_THAT(read_lines(folder / "lines.txt"), ElementsAre("one", "two", "", "last"));
+}
+
+TEST(FileIoTest, AMissingFileIsNamed) {
+  const std::string message = error_of([] { read_text_file("/nowhere/file.txt"); });
+  EXPECT_THAT(message, HasSubstr("/nowhere/file.txt"));
+  EXPECT_THAT(message, HasSubstr("No such file"));
+}
+
+TEST(FileIoTest, AFolderIsNoFile) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { read_text_file(folder.path()); }), HasSubstr("expected a file, found a folder"));
+}
+
+TEST(FileIoTest, AFailedWriteLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "model.h5", "former");
+  const auto fail_half_way = [](const std::filesystem::path& temporary) {
+    std::ofstream(temporary) << "half";
+    fail("the writer broke");
+  };
+  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "model.h5", fail_half_way); }),
+              HasSubstr("the writer broke"));
+  EXPECT_EQ(read_text_file(folder / "model.h5"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, AnUnwritableFolderIsNamedAndNothingIsLeft) {
+  EXPECT_THAT(error_of([] { write_text_file("/proc/knuckle.txt", "text"); }), HasSubstr("/proc/knuckle.txt"));
+  EXPECT_THAT(error_of([] { make_folder("/proc/knuckle/out"); }), HasSubstr("/proc/knuckle/out"));
+}
+
+TEST(FileIoTest, WhetherAFileCanBeWrittenIsKnownBefore) {
+  const TemporaryFolder folder;
+  check_writable(folder / "new.txt");
+  EXPECT_EQ(entries_in(folder.path()), 0u);
+  write_text_file(folder / "old.txt", "former");
+  check_writable(folder / "old.txt");
+  EXPECT_EQ(read_text_file(folder / "old.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+  EXPECT_THAT(error_of([&] { check_writable(folder.path()); }), HasSubstr("it is a folder"));
+  EXPECT_THAT(error_of([&] { check_writable(folder / "none/new.txt"); }),
+              HasSubstr("new.txt: cannot write: No such file or directory"));
+}
+
+TEST(FileIoTest, ADiskThatFillsUpLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "file.txt", "former");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+  const rlimit tight{1000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  const std::string message =
+      error_of([&] { write_text_file(folder / "file.txt", std::string(100000, 'x')); });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_THAT(message, HasSubstr("file.txt: cannot write: File too large"));
+  EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
+  const TemporaryFolder folder;
+  const auto fill_the_disk = [](const std::filesystem::path& temporary) {
+    std::filesystem::create_symlink("/dev/full", temporary);
+    std::ofstream stream(temporary);
+    stream << "text";
+    stream.close();
+    if (!stream) fail("report.html: cannot write: the disk is full");
+  };
+  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "report.html", fill_the_disk); }),
+              HasSubstr("report.html"));
+  EXPECT_EQ(entries_in(folder.path()), 0u);
+}
+
+}  // namespace
+}  // namespace knuckle

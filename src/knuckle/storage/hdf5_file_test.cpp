@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/storage/hdf5_file.h"
+
+#include <numeric>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/deflate.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+void write_example(const std::filesystem::path& path) {
+  Hdf5File file = Hdf5File::create(path);
+  std::vector<float> values(60);
+  std::iota(values.begin(), values.end(), 0.5f);
+  file.write<float>("values", {5, 4, 3}, values.data(), {1, 4});
+  file.write_texts("names", {"one", "", "drei µ"});
+  file.set_attribute("format", "knuckle-example");
+  file.set_attribute("version", 1);
+  file.set_attribute("numbers", std::vector<double>{1.0, 2.5});
+  file.close();
+}
+
+class Hdf5FileTest : public ::testing::Test {
+ protected:
+  void SetUp() override { write_example(path); }
+
+  TemporaryFolder folder;
+  std::filesystem::path path = folder / "example.h5";
+};
+
+TEST_F(Hdf5FileTest, ArraysComeBackWithShapeAndValues) {
+  const Hdf5File file = Hdf5File::open(path);
+  const auto array = file.read<float>("values");
+  EXPECT_THAT(array.shape, ElementsAre(5, 4, 3));
+  EXPECT_EQ(array.values[59], 59.5f);
+  EXPECT_EQ(file.read<double>("values").values[1], 1.5);
+}
+
+TEST_F(Hdf5FileTest, RowsAreThoseOfTheWholeArray) {
+  const Hdf5File file = Hdf5File::open(path);
+  std::vector<float> rows(24);
+  file.read_rows("values", 2, 2, rows.data());
+  EXPECT_EQ(rows.front(), 24.5f);
+  EXPECT_EQ(rows.back(), 47.5f);
+  EXPECT_THAT(error_of([&] { file.read_rows("values", 4, 2, rows.data()); }), HasSubstr("rows 4 to 6"));
+}
+
+TEST_F(Hdf5FileTest, RowsWrittenLaterLeaveTheOthersZero) {
+  {
+    Hdf5File file = Hdf5File::open_for_writing(path);
+    file.create_dataset<std::uint16_t>("later", {4, 2}, {1, 1});
+    const std::uint16_t row[] = {7, 8};
+    file.write_rows("later", 2, 1, row);
+    file.close();
+  }
+  EXPECT_THAT(Hdf5File::open(path).read<std::uint16_t>("later").values, ElementsAre(0, 0, 0, 0, 7, 8, 0, 0));
+}
+
+TEST_F(Hdf5FileTest, TextsAndAttributesComeBack) {
+  const Hdf5File file = Hdf5File::open(path);
+  EXPECT_THAT(file.read_texts("names"), ElementsAre("one", "", "drei µ"));
+  EXPECT_EQ(file.text_attribute("format"), "knuckle-example");
+  EXPECT_THAT(file.numbers_attribute("numbers"), ElementsAre(1.0, 2.5));
+  EXPECT_EQ(file.require_format("knuckle-example", 1), 1);
+}
+
+TEST_F(Hdf5FileTest, ManyThreadsReadAtOnce) {
+  const Hdf5File file = Hdf5File::open(path);
+  parallel_for(200, [&](std::int64_t i) {
+    std::vector<float> row(12);
+    file.read_rows("values", static_cast<std::uint64_t>(i % 5), 1, row.data());
+    if (row[0] != static_cast<float>(i % 5) * 12 + 0.5f) fail("row {} is wrong", i);
+  });
+}
+
+TEST_F(Hdf5FileTest, WhatIsMissingOrOfAnotherKindIsNamed) {
+  const Hdf5File file = Hdf5File::open(path);
+  EXPECT_THAT(error_of([&] { file.read<float>("weights"); }),
+              HasSubstr("example.h5: weights: the array is missing"));
+  EXPECT_THAT(error_of([&] { file.read<float>("names"); }), HasSubstr("names: expected an array of numbers"));
+  EXPECT_THAT(error_of([&] { file.read_texts("values"); }), HasSubstr("values: expected an array of texts"));
+  EXPECT_THAT(error_of([&] { file.text_attribute("author"); }), HasSubstr("'author' is missing"));
+  EXPECT_THAT(error_of([&] { file.text_attribute("version"); }), HasSubstr("'version' is no text"));
+  EXPECT_THAT(error_of([&] { file.number_attribute("format"); }), HasSubstr("'format' is no number"));
+}
+
+TEST_F(Hdf5FileTest, AnotherFormatOrVersionIsRefused) {
+  EXPECT_THAT(error_of([&] { Hdf5File::open(path).require_format("knuckle-body", 1); }),
+              HasSubstr("expected a knuckle-body file, found a knuckle-example file"));
+  {
+    Hdf5File file = Hdf5File::open_for_writing(path);
+    file.set_attribute("version", 2);
+  }
+  EXPECT_THAT(error_of([&] { Hdf5File::open(path).require_format("knuckle-example", 1); }),
+              HasSubstr("version 2 is not known"));
+}
+
+TEST_F(Hdf5FileTest, AFileCutShortOrForeignIsRefused) {
+  const std::string bytes = read_text_file(path);
+  for (const double part : {0.0, 0.001, 0.2, 0.9}) {
+    write_text_file(folder / "cut.h5",
+                    bytes.substr(0, static_cast<std::size_t>(part * double(bytes.size()))));
+    EXPECT_THAT(error_of([&] { Hdf5File::open(folder / "cut.h5"); }), HasSubstr("cut.h5")) << part;
+  }
+  EXPECT_THAT(error_of([&] { Hdf5File::open(folder / "none.h5"); }),
+              HasSubstr("none.h5: the file is missing"));
+  EXPECT_THAT(error_of([&] { Hdf5File::open(folder.path()); }), HasSubstr("found a folder"));
+}
+
+/// Declares 2^20 times as many rows as the array of 16 x 4 has, by changing the file's bytes.
+void declare_huge_array(const std::filesystem::path& path) {
+  std::string bytes = read_text_file(path);
+  const std::uint64_t extent[] = {16, 4};
+  const std::string before(reinterpret_cast<const char*>(extent), sizeof(extent));
+  const std::uint64_t huge = std::uint64_t{1} << 40;
+  int changed = 0;
+  for (std::size_t at = bytes.find(before); at != std::string::npos; at = bytes.find(before, at + 8)) {
+    bytes.replace(at, sizeof(huge), reinterpret_cast<const char*>(&huge), sizeof(huge));
+    ++changed;
+  }
+  ASSERT_GT(changed, 0) << "the extent does not stand in the file as expected";
+  write_text_file(path, bytes);
+}
+
+TEST_F(Hdf5FileTest, AnArrayLargerThanTheFileCanHoldIsRefusedBeforeMemoryIsTaken) {
+  for (const Hdf5File::Storage& storage : {Hdf5File::Storage{0, 0}, Hdf5File::Storage{1, 1}}) {
+    const std::filesystem::path huge = folder / "huge.h5";
+    {
+      Hdf5File file = Hdf5File::create(huge);
+      file.write<float>("values", {16, 4}, std::vector<float>(64, 1.5f).data(), storage);
+      file.close();
+    }
+    EXPECT_EQ(Hdf5File::open(huge).read<float>("values").values.size(), 64u);
+    ASSERT_NO_FATAL_FAILURE(declare_huge_array(huge));
+    const Hdf5File file = Hdf5File::open(huge);
+    EXPECT_THAT(error_of([&] { file.read<float>("values"); }),
+                AllOf(HasSubstr("huge.h5: values"), HasSubstr("declares 4398046511104 values")));
+    EXPECT_THAT(error_of([&] { file.shape("values"); }), HasSubstr("huge.h5: values: declares"));
+  }
+}
+
+TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
+  const std::vector<std::uint16_t> row{7, 7, 7, 7, 300, 0, 65535, 7};
+  {
+    Hdf5File file = Hdf5File::open_for_writing(path);
+    file.create_dataset<std::uint16_t>("rows", {3, 8}, {1, 1});
+    file.write_chunk("rows", 1, deflated(shuffled(row)));
+    file.close();
+  }
+  std::vector<std::uint16_t> back(8);
+  Hdf5File::open(path).read_rows("rows", 1, 1, back.data());
+  EXPECT_EQ(back, row);
+}
+
+TEST_F(Hdf5FileTest, AnUnwritablePlaceIsNamed) {
+  EXPECT_THAT(error_of([] { Hdf5File::create("/proc/knuckle.h5"); }),
+              HasSubstr("/proc/knuckle.h5: cannot write"));
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "knuckle/synth/pose/hand_sampler.h"
+#include "knuckle/synth/scene/placement.h"
+
+namespace knuckle {
+
+/// How one frame follows another.
+struct MotionOptions {
+  std::string motion = "none";  ///< none: every frame is another scene; smooth: one person moves
+  int frames_a_pose = 12;       ///< smooth: frames from one pose to the next, [1, 10000]
+  double sway_deg = 8.0;  ///< smooth: deviation of the arm's joints from their first pose, [0, 90] [degree]
+
+  void visit(OptionVisitor& visitor);
+  bool is_smooth() const { return motion == "smooth"; }
+};
+
+/// Everything that postures are made of.
+struct PostureOptions {
+  HandPoseOptions hand;
+  PlacementOptions placement;
+  MotionOptions motion;
+};
+
+/// A hand of `sampled_hand` whose digits do not run into one another more than the options allow: the first
+/// of up to 40, else the best.
+HandAngles sampled_free_hand(const BodyRig& rig, const HandPoseOptions& options, Random& random);
+
+/// The posture of one frame: a function of its arguments alone. Without motion each index is a scene of its
+/// own. Smooth: the person stands where `seed` says, and hand and arm go from one random posture to the next,
+/// at rest at each.
+PlacedPosture posture_of_frame(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
+                               std::uint64_t seed, std::int64_t index);
+
+}  // namespace knuckle
