@@ -12,6 +12,8 @@ Frame mirrored(const Frame& frame) {
   result.mask = mirrored(frame.mask);
   if (frame.truth) result.truth = mirrored(*frame.truth, frame.camera.width);
   if (frame.side) result.side = *frame.side == HandSide::left ? HandSide::right : HandSide::left;
+  result.time_s = frame.time_s;
+  result.sequence = frame.sequence;
   return result;
 }
 

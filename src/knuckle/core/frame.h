@@ -30,6 +30,8 @@ struct Frame {
   Image<std::uint8_t> mask;       ///< truth: 1 where a pixel is hand, else 0; empty where the source has none
   std::optional<HandPose> truth;  ///< joints in pixel-centre coordinates; joints may be missing
   std::optional<HandSide> side;   ///< truth: which hand it is; nothing where the source does not know
+  std::optional<double> time_s;   ///< when it was taken [s], any zero; never goes back within a sequence
+  int sequence = 0;               ///< which of the source's sequences it belongs to, >= 0
 };
 
 /// The frame in a mirror: images, camera and truth. A left hand becomes a right one,

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "knuckle/core/frame.h"
+#include "knuckle/data/frame_source.h"
+
+namespace knuckle {
+
+/// Frames as they come, one after another, for one reader: a camera, a recording, or a source played.
+class FrameStream {
+ public:
+  virtual ~FrameStream() = default;
+
+  /// The next frame; blocks until it is there. Nothing: the stream has ended, and stays so.
+  ///
+  /// Throws an Error that names the file or device where the next frame cannot be read. Whoever can do
+  /// without that frame calls again for the one after it; a device that was lost has ended then.
+  virtual std::optional<Frame> next() = 0;
+};
+
+/// A source played in order, as fast as it is read.
+class SourceStream final : public FrameStream {
+ public:
+  /// Frames [first, end) of `source`, which must outlive the stream; `end` is at most the source's size,
+  /// which is also what it is where it is not given. Throws an Error where the range is not in the source.
+  explicit SourceStream(const FrameSource& source, std::int64_t first = 0,
+                        std::optional<std::int64_t> end = std::nullopt);
+  /// The same of a source that the stream owns.
+  explicit SourceStream(std::unique_ptr<const FrameSource> source, std::int64_t first = 0,
+                        std::optional<std::int64_t> end = std::nullopt);
+
+  std::optional<Frame> next() override;
+
+ private:
+  std::unique_ptr<const FrameSource> owned_;  ///< null where the source is someone else's
+  const FrameSource& source_;
+  std::int64_t position_;
+  std::int64_t end_;
+};
+
+}  // namespace knuckle
