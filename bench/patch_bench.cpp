@@ -10,7 +10,7 @@ namespace {
 
 void patch_96(benchmark::State& state) {
   const Frame frame = testing::hand_frame(0);
-  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt);
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 1);
   if (found.hands.empty()) state.SkipWithError("no hand found");
   const PatchExtractor extractor(PatchOptions{96}, PatchStatistics{96, Image<float>(96, 96, 0.5f), {}});
   for ([[maybe_unused]] const auto step : state) {

@@ -27,7 +27,7 @@ void segment_frames(benchmark::State& state, const Method& segmenter) {
   const std::vector<Frame> frames = made_up_frames();
   std::size_t next = 0;
   for ([[maybe_unused]] const auto step : state) {
-    const Segmentation found = segmenter.segment(frames[next++ % frames.size()], std::nullopt);
+    const Segmentation found = segmenter.segment(frames[next++ % frames.size()], std::nullopt, 1);
     if (found.hands.empty()) state.SkipWithError("no hand found");
     benchmark::DoNotOptimize(found.hands.data());
   }

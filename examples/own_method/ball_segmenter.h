@@ -20,13 +20,13 @@ struct BallSegmenterOptions {
 /// The hand is all that is measured in a ball around the start, or around the nearest point.
 class BallSegmenter final : public knuckle::Segmenter {
  public:
-  /// Finds one hand, however many are asked for.
-  explicit BallSegmenter(const BallSegmenterOptions& options, int /*max_hands*/ = 1) : options_(options) {
+  explicit BallSegmenter(const BallSegmenterOptions& options) : options_(options) {
     knuckle::check_options(options_, "ball segmentation");
   }
 
-  knuckle::Segmentation segment(const knuckle::Frame& frame,
-                                const std::optional<knuckle::Point3>& start) const override {
+  /// Finds one hand, however many are asked for.
+  knuckle::Segmentation segment(const knuckle::Frame& frame, const std::optional<knuckle::Point3>& start,
+                                int /*max_hands*/) const override {
     knuckle::check_size(frame);
     knuckle::check_start(frame, start);
     const auto nearest = knuckle::nearest_pixel(frame.depth_mm);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/segmenter_factory.h"
 
 namespace knuckle {
@@ -38,19 +39,15 @@ void HandOptions::visit(OptionVisitor& visitor) {
   visitor.real("sure_confidence", sure_confidence, closed(0, 1));
 }
 
-HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand,
-                       std::unique_ptr<Segmenter> candidate_segmenter)
-    : hand_(hand), segmenter_(std::move(segmenter)), candidate_segmenter_(std::move(candidate_segmenter)) {
+HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand)
+    : hand_(hand), segmenter_(std::move(segmenter)) {
   check_options(hand_, "hand");
   if (!segmenter_) fail("a pipeline was to be made without a segmenter");
 }
 
 HandFinder::HandFinder(const OptionTable& document) {
   document.table("hand").read(hand_);
-  segmenter_ = create_segmenter(document.table("segmentation"), hand_.max_hands);
-  if (hand_.candidates > hand_.max_hands) {
-    candidate_segmenter_ = create_segmenter(document.table("segmentation"), hand_.candidates);
-  }
+  segmenter_ = create_segmenter(document.table("segmentation"));
 }
 
 HandFinder HandFinder::load(const std::filesystem::path& path) {
@@ -70,24 +67,17 @@ Segmentation HandFinder::find(const Frame& frame, const std::optional<Point3>& s
 }
 
 Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start) const {
-  return segmenter_->segment(frame, start);
+  return find_right(frame, start, hand_.max_hands);
 }
 
-Segmentation HandFinder::find_candidates(const Frame& frame) const {
-  return candidate_segmenter_ ? candidate_segmenter_->segment(frame, std::nullopt) : Segmentation{};
+Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start,
+                                    int max_hands) const {
+  return segmenter_->segment(frame, start, max_hands);
 }
 
 Frame as_right_hand(Frame frame, const HandOptions& options) {
   const bool is_left = frame.side ? *frame.side == HandSide::left : options.is_left();
   return is_left ? mirrored(frame) : std::move(frame);
-}
-
-HandRegion mirrored(const HandRegion& region, int width) {
-  HandRegion result = region;
-  result.box.x = width - region.box.right();
-  result.mask = mirrored(region.mask);
-  result.centre.x() = -region.centre.x();
-  return result;
 }
 
 std::optional<Point3> mirrored(const std::optional<Point3>& point) {

@@ -14,7 +14,7 @@ namespace knuckle {
 /// The `[hand]` table of a pipeline file.
 struct HandOptions {
   std::string side = "right";  ///< right | left
-  int max_hands = 1;           ///< Hands that the segmenter returns of a frame at most, [1, 16]
+  int max_hands = 1;           ///< Hands of a frame at most, [1, 16]
   /// Places of a frame that are tried where a pose is not sure, [1, 16]; no more than `max_hands`: none.
   int candidates = 1;
   double sure_confidence = 0.45;  ///< A pose whose joints have less on average is not sure, [0, 1]
@@ -26,10 +26,8 @@ struct HandOptions {
 /// Finds the hands of a frame: the first stage of a pipeline, `[hand]` and `[segmentation]` of its file.
 class HandFinder {
  public:
-  /// A segmenter of your own, and one that finds more places for `find_candidates`, or null. Throws an Error
-  /// where the first is missing (null) or an option is out of range.
-  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {},
-                      std::unique_ptr<Segmenter> candidate_segmenter = nullptr);
+  /// A segmenter of your own. Throws an Error where it is missing (null) or an option is out of range.
+  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {});
   /// Reads the two tables of a pipeline's document. The caller finishes the document.
   explicit HandFinder(const OptionTable& document);
   /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are
@@ -40,27 +38,23 @@ class HandFinder {
   /// The tables of the file that were read, with all defaults filled in; empty where there was no file.
   const std::string& resolved_options() const { return resolved_options_; }
 
-  /// Regions in the frame's own image, also for a left hand (which the segmenter sees in a mirror). `start`
-  /// is in camera coordinates.
+  /// Regions in the frame's own image, `HandOptions::max_hands` at most, also for a left hand (which the
+  /// segmenter sees in a mirror). `start` is in camera coordinates.
   Segmentation find(const Frame& frame, const std::optional<Point3>& start) const;
   /// The same for a frame that already shows a right hand.
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start) const;
-  /// Other places where a right hand may be, `candidates` at most, from no start; none where the options ask
-  /// for none.
-  Segmentation find_candidates(const Frame& frame) const;
+  /// The same with `max_hands` regions at most, [1, 16].
+  Segmentation find_right(const Frame& frame, const std::optional<Point3>& start, int max_hands) const;
 
  private:
   HandOptions hand_;
   std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;
-  std::unique_ptr<Segmenter> candidate_segmenter_;  // null: no candidates
 };
 
 /// The frame as it shows a right hand: in a mirror where it shows a left one. Where the source does not say
 /// which it is, `options` does.
 Frame as_right_hand(Frame frame, const HandOptions& options);
-/// The region seen in a mirrored image that is `width` pixels wide.
-HandRegion mirrored(const HandRegion& region, int width);
 /// A point in the coordinates of the mirrored camera.
 std::optional<Point3> mirrored(const std::optional<Point3>& point);
 

@@ -55,7 +55,7 @@ class NetworkPasses : public ::testing::Test {
 TEST_F(NetworkPasses, TheSecondLooksAroundTheJointsOfTheFirst) {
   const FrameEstimate once = estimate(1);
   const FrameEstimate twice = estimate(2);
-  ASSERT_EQ(once.hands.size(), 1u) << once.reason;
+  ASSERT_EQ(once.hands.size(), 1u) << once.status;
   const PoseNetwork network(folder_ / "small.pt");
   const auto patch = extract_cube(slanted_plate(), mean_of(once.hands[0].pose), testing::kTestCube);
   ASSERT_TRUE(patch);

@@ -8,6 +8,7 @@
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/refine/refiner_factory.h"
+#include "knuckle/segment/hand_region.h"
 
 namespace knuckle {
 namespace {
@@ -98,39 +99,59 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
   return pipeline;
 }
 
-FrameEstimate Pipeline::estimate(const Frame& frame, const std::optional<Point3>& start) const {
-  if (!finder_.hand().is_left()) return estimate_right(frame, start);
-  FrameEstimate result = estimate_right(mirrored(frame), mirrored(start));
+FrameEstimate Pipeline::estimate(const Frame& frame) const {
+  return estimate(frame, {.max_hands = finder_.hand().max_hands});
+}
+
+FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const {
+  if (!finder_.hand().is_left()) return estimate_right(frame, search);
+  FrameEstimate result =
+      estimate_right(mirrored(frame), {mirrored(search.start), search.elsewhere, search.max_hands});
   for (HandEstimate& hand : result.hands) {
-    hand = {mirrored(hand.region, frame.camera.width), mirrored(hand.pose, frame.camera.width)};
+    hand = {mirrored(std::move(hand.region), frame.camera.width), mirrored(hand.pose, frame.camera.width),
+            hand.score, HandSide::left};
   }
   return result;
 }
 
-FrameEstimate Pipeline::estimate_right(const Frame& frame, const std::optional<Point3>& start) const {
+FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search) const {
+  const bool looks_elsewhere = search.elsewhere.value_or(!search.start);
+  const int max_hands = looks_elsewhere ? search.max_hands : 1;
   FrameEstimate result;
   Segmentation segmentation =
-      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, start); });
+      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, max_hands); });
   add_hands(frame, std::move(segmentation.hands), result);
-  const auto is_unsure = [&](const HandEstimate& hand) {
-    return mean_confidence(hand.pose) < finder_.hand().sure_confidence;
-  };
-  if (std::ranges::any_of(result.hands, is_unsure)) try_candidates(frame, result);
-  result.reason = segmentation.reason;
-  if (result.hands.empty() && result.reason.empty()) result.reason = "the hand has no measured pixel";
+  const auto is_sure = [&](const HandEstimate& hand) { return this->is_sure(hand); };
+  if (looks_elsewhere && !std::ranges::all_of(result.hands, is_sure)) {
+    try_candidates(frame, max_hands, result);
+  }
+  std::ranges::stable_sort(result.hands, std::ranges::greater{}, &HandEstimate::score);
+  result.status = segmentation.reason;
+  if (result.hands.empty() && result.status.empty()) result.status = "the hand has no measured pixel";
+  if (search.start && std::ranges::none_of(result.hands, is_sure) && !result.hands.empty()) {
+    result.status = kUnsure;
+  }
   return result;
+}
+
+bool Pipeline::is_sure(const HandEstimate& hand) const {
+  return hand.score >= finder_.hand().sure_confidence;
 }
 
 void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const {
   for (HandRegion& region : regions) {
     if (auto pose = pose_of(frame, region, result.times)) {
-      result.hands.push_back({std::move(region), std::move(*pose)});
+      const double score = mean_confidence(*pose);
+      result.hands.push_back({std::move(region), std::move(*pose), score, HandSide::right});
     }
   }
 }
 
-void Pipeline::try_candidates(const Frame& frame, FrameEstimate& result) const {
-  Segmentation others = timed(result.times.segment_ms, [&] { return finder_.find_candidates(frame); });
+void Pipeline::try_candidates(const Frame& frame, int max_hands, FrameEstimate& result) const {
+  const int candidates = finder_.hand().candidates;
+  if (candidates <= max_hands) return;
+  Segmentation others =
+      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, std::nullopt, candidates); });
   std::erase_if(others.hands, [&](const HandRegion& other) {
     return std::ranges::any_of(result.hands, [&](const HandEstimate& tried) {
       return (tried.region.centre - other.centre).norm() < kSamePlaceMm;
@@ -138,8 +159,7 @@ void Pipeline::try_candidates(const Frame& frame, FrameEstimate& result) const {
   });
   const std::size_t wanted = result.hands.size();
   add_hands(frame, std::move(others.hands), result);
-  std::ranges::stable_sort(result.hands, std::ranges::greater{},
-                           [](const HandEstimate& hand) { return mean_confidence(hand.pose); });
+  std::ranges::stable_sort(result.hands, std::ranges::greater{}, &HandEstimate::score);
   result.hands.resize(std::min(result.hands.size(), wanted));
 }
 

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "knuckle/estimate/estimator.h"
@@ -27,13 +29,28 @@ struct StageTimes {
 struct HandEstimate {
   HandRegion region;
   HandPose pose;
+  /// What is known of the hand, [0, 1]: the mean confidence of its joints; 1 where the method gives none.
+  double score = 1.0;
+  HandSide side = HandSide::right;  ///< what the pipeline looked for (`HandOptions::side`)
 };
+
+/// The status of a frame in which a start was given and the pose found there is not sure.
+inline constexpr std::string_view kUnsure = "unsure";
 
 /// What a pipeline sees in a frame. No hand is an answer, not an error.
 struct FrameEstimate {
-  std::vector<HandEstimate> hands;  ///< best first
-  std::string reason;               ///< why there is no hand; empty where there is one
+  std::vector<HandEstimate> hands;  ///< surest first
+  /// Empty where a sure hand was found; why there is none, in words; or `kUnsure`.
+  std::string status;
   StageTimes times;
+};
+
+/// Where a frame is searched for hands, and for how many.
+struct Search {
+  std::optional<Point3> start =
+      std::nullopt;  ///< where to look for the hand, in camera coordinates [mm]; it is trusted
+  std::optional<bool> elsewhere = std::nullopt;  ///< in other places too? unset: only where no start is given
+  int max_hands = 1;                             ///< [1, 16]
 };
 
 /// What a pipeline is put together from: stages that come with Knuckle, or your own (docs/extending.md).
@@ -62,15 +79,19 @@ class Pipeline {
   /// The pipeline file with all defaults filled in; empty where there was no file.
   const std::string& resolved_options() const { return resolved_options_; }
 
-  /// Finds the hands of a frame and their poses. `start`, where given, is where to look for the hand, in
-  /// camera coordinates [mm]. Where a pose is not sure (`HandOptions::candidates`), other places are tried,
-  /// and the surest poses are kept: the nearest thing may be an elbow. Safe to call from many threads.
-  FrameEstimate estimate(const Frame& frame, const std::optional<Point3>& start = std::nullopt) const;
+  /// Finds the hands of a frame and their poses, from no start and `HandOptions::max_hands` at most. Where a
+  /// pose is not sure (`HandOptions::candidates`), other places are tried, and the surest poses are kept: the
+  /// nearest thing may be an elbow. Safe to call from many threads.
+  FrameEstimate estimate(const Frame& frame) const;
+  /// The same, searched as `search` says. A hand at a given start is returned whatever its score. Throws an
+  /// Error where the start is not finite or the number of hands is out of range.
+  FrameEstimate estimate(const Frame& frame, const Search& search) const;
 
  private:
-  FrameEstimate estimate_right(const Frame& frame, const std::optional<Point3>& start) const;
+  FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
+  bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
-  void try_candidates(const Frame& frame, FrameEstimate& result) const;
+  void try_candidates(const Frame& frame, int max_hands, FrameEstimate& result) const;
   std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
   HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 

@@ -32,7 +32,8 @@ Frame plate() {
 /// Calls all that is measured a hand.
 class AllSegmenter final : public Segmenter {
  public:
-  Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const override {
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start,
+                       int /*max_hands*/) const override {
     std::vector<std::int32_t> pixels;
     for (std::size_t i = 0; i < frame.depth_mm.size(); ++i) {
       if (is_measured(frame.depth_mm.data()[i])) pixels.push_back(static_cast<std::int32_t>(i));
@@ -91,7 +92,7 @@ TEST(PipelineFromParts, SegmentsCropsAndEstimates) {
 
 TEST(PipelineFromParts, PassesTheStartOn) {
   const Point3 start(10.0, -20.0, 480.0);
-  const FrameEstimate result = Pipeline(parts()).estimate(plate(), start);
+  const FrameEstimate result = Pipeline(parts()).estimate(plate(), {.start = start});
   ASSERT_EQ(result.hands.size(), 1u);
   EXPECT_EQ(result.hands[0].region.centre, start);
 }
@@ -108,6 +109,7 @@ TEST(PipelineFromParts, RefinesInTheOrderOfTheParts) {
 TEST(PipelineFromParts, MirrorsALeftHandThereAndBack) {
   const FrameEstimate result = Pipeline(parts({.side = "left"})).estimate(plate());
   ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_EQ(result.hands[0].side, HandSide::left);
   EXPECT_EQ(result.hands[0].region.box, (Box{4, 10, 10, 10}));
   EXPECT_NEAR(result.hands[0].pose.joints[0].u, 13.0, 1e-9);  // the mirror image's left is the frame's right
   EXPECT_NEAR(result.hands[0].pose.joints[0].v, 10.0, 1e-9);
@@ -118,19 +120,20 @@ TEST(PipelineFromParts, TellsWhyThereIsNoHand) {
   std::ranges::fill(blank.depth_mm.pixels(), 0.0f);
   const FrameEstimate result = Pipeline(parts()).estimate(blank);
   EXPECT_TRUE(result.hands.empty());
-  EXPECT_EQ(result.reason, "nothing there");
+  EXPECT_EQ(result.status, "nothing there");
 }
 
-/// Finds the given columns of the image, or the first of them alone.
+/// Finds the given columns of the image, as many as are asked for.
 class ColumnSegmenter final : public Segmenter {
  public:
   explicit ColumnSegmenter(std::vector<int> columns) : columns_(std::move(columns)) {}
-  Segmentation segment(const Frame& frame, const std::optional<Point3>& /*start*/) const override {
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
     Segmentation found;
     for (const int column : columns_) {
+      if (std::ssize(found.hands) == max_hands) break;
       const std::vector<std::int32_t> pixels{15 * frame.depth_mm.width() + column};
       HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
-      region.centre = Point3(100.0 * column, 0.0, 500.0);
+      region.centre = start.value_or(Point3(100.0 * column, 0.0, 500.0));
       found.hands.push_back(region);
     }
     return found;
@@ -161,42 +164,63 @@ class ColumnEstimator final : public Estimator {
   bool has_confidence_;
 };
 
+Pipeline column_pipeline(std::vector<int> columns, std::unique_ptr<Estimator> estimator) {
+  const HandOptions hand{.candidates = 4, .sure_confidence = 0.5};
+  return Pipeline(
+      {HandFinder(std::make_unique<ColumnSegmenter>(std::move(columns)), hand), std::move(estimator)});
+}
+
+std::vector<int> columns_of(const FrameEstimate& found) {
+  std::vector<int> columns;
+  for (const HandEstimate& hand : found.hands) columns.push_back(hand.region.box.x);
+  return columns;
+}
+
 struct Candidates {
-  std::vector<int> first;
-  std::vector<int> others;
-  std::vector<int> expected;  ///< columns of the hands, best first
+  std::vector<int> places;  ///< columns that the segmenter finds
+  int max_hands;
+  std::vector<int> expected;  ///< columns of the hands, surest first
   int calls;                  ///< of the estimator
 };
 
 class PipelineCandidates : public ::testing::TestWithParam<Candidates> {};
 
 INSTANTIATE_TEST_SUITE_P(, PipelineCandidates,
-                         ::testing::Values(Candidates{{4}, {4, 7, 5}, {7}, 3},  // the surest of three
-                                           Candidates{
-                                               {6}, {6, 8}, {6}, 1},     // sure: nothing else is looked at
-                                           Candidates{{4}, {}, {4}, 1},  // there is nothing else
-                                           Candidates{{4, 6}, {4, 6, 8}, {8, 6}, 3},  // two hands
-                                           Candidates{{}, {8}, {}, 0}));              // no hand stays none
+                         ::testing::Values(Candidates{{4, 7, 5}, 1, {7}, 3},  // the surest of three
+                                           Candidates{{6, 8}, 1, {6}, 1},     // sure: nothing else is tried
+                                           Candidates{{4, 6, 8}, 2, {8, 6}, 3},  // two hands
+                                           Candidates{{6, 8, 9}, 2, {8, 6}, 2},  // both sure: the surer first
+                                           Candidates{{}, 1, {}, 0}));           // nothing is there
 
 TEST_P(PipelineCandidates, AreTriedWhereAPoseIsNotSure) {
   const Candidates& c = GetParam();
   auto estimator = std::make_unique<ColumnEstimator>();
   const ColumnEstimator& seen = *estimator;
-  const HandOptions hand{.candidates = 4, .sure_confidence = 0.5};
-  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(c.first), hand,
-                                      std::make_unique<ColumnSegmenter>(c.others)),
-                           std::move(estimator)});
-  std::vector<int> columns;
-  for (const HandEstimate& found : pipeline.estimate(plate()).hands) columns.push_back(found.region.box.x);
-  EXPECT_EQ(columns, c.expected);
+  const Pipeline pipeline = column_pipeline(c.places, std::move(estimator));
+  EXPECT_EQ(columns_of(pipeline.estimate(plate(), {.max_hands = c.max_hands})), c.expected);
   EXPECT_EQ(seen.calls, c.calls);
 }
 
+TEST(PipelineFromParts, TellsTheScoreOfAHand) {
+  const FrameEstimate found =
+      column_pipeline({4, 7}, std::make_unique<ColumnEstimator>()).estimate(plate(), {.max_hands = 1});
+  EXPECT_NEAR(found.hands.at(0).score, 0.7, 1e-6);
+  EXPECT_EQ(found.hands.at(0).side, HandSide::right);
+  EXPECT_EQ(found.status, "");
+}
+
+TEST(PipelineFromParts, TrustsAGivenStart) {
+  const Pipeline pipeline = column_pipeline({4, 7, 8}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 500.0), .max_hands = 2});
+  EXPECT_EQ(columns_of(found), std::vector{4});
+  EXPECT_EQ(found.status, kUnsure);
+}
+
 TEST(PipelineFromParts, DoesNotDoubtAMethodWithoutConfidence) {
-  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(std::vector{4}), {.candidates = 4},
-                                      std::make_unique<ColumnSegmenter>(std::vector{4, 7})),
-                           std::make_unique<ColumnEstimator>(false)});
-  EXPECT_EQ(pipeline.estimate(plate()).hands.at(0).region.box.x, 4);
+  const Pipeline pipeline = column_pipeline({4, 7}, std::make_unique<ColumnEstimator>(false));
+  const FrameEstimate found = pipeline.estimate(plate());
+  EXPECT_EQ(columns_of(found), std::vector{4});
+  EXPECT_EQ(found.hands.at(0).score, 1.0);
 }
 
 TEST(PipelineFromParts, SaysWhichPartIsMissing) {

@@ -141,7 +141,8 @@ std::vector<FrameEstimate> estimate_all(const FrameSource& source, const Pipelin
                                         std::string_view source_name) {
   require_start(source, start, source_name);
   return process_all<FrameEstimate>(source, "estimate", [&](const Frame& frame) {
-    return pipeline.estimate(frame, start_in(frame, start));
+    return pipeline.estimate(frame,
+                             {.start = start_in(frame, start), .max_hands = pipeline.hand().max_hands});
   });
 }
 
@@ -197,7 +198,7 @@ std::string summary_json(std::span<const FrameEstimate> frames, std::string_view
   summary["frames_without_hand"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].hands.empty()) {
-      summary["frames_without_hand"].push_back({{"frame", i}, {"reason", frames[i].reason}});
+      summary["frames_without_hand"].push_back({{"frame", i}, {"reason", frames[i].status}});
     }
   }
   summary["confidence"] = confidences_of(frames, 0);

@@ -17,7 +17,7 @@ TEST(SummaryOfEstimates, HoldsTheConfidencesOfEachHand) {
   std::vector<FrameEstimate> frames(4);
   frames[0].hands = {hand_with({0.75f, 0.5f}), hand_with({0.25f, 0.12345f})};
   frames[1].hands = {hand_with({1.0f, 0.0f})};
-  frames[2].reason = "no hand";
+  frames[2].status = "no hand";
   frames[3].hands = {hand_with({})};
   const Convention convention{"two", {}};
   const nlohmann::json summary = nlohmann::json::parse(summary_json(frames, "folder:x", convention));

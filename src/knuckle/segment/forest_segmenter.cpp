@@ -96,18 +96,19 @@ void ForestSegmenterOptions::visit(OptionVisitor& visitor) {
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
 }
 
-ForestSegmenter::ForestSegmenter(PixelForest forest, const ForestSegmenterOptions& options, int max_hands)
-    : forest_(std::move(forest)), options_(options), max_hands_(max_hands) {
+ForestSegmenter::ForestSegmenter(PixelForest forest, const ForestSegmenterOptions& options)
+    : forest_(std::move(forest)), options_(options) {
   check_options(options_, "forest segmentation");
   check_odd(options_.median_px, "median_px");
   check_odd(options_.closing_px, "closing_px");
   check_odd(options_.opening_px, "opening_px");
-  check_max_hands(max_hands);
 }
 
-Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
+Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Point3>& start,
+                                      int max_hands) const {
   check_size(frame);
   check_start(frame, start);
+  check_max_hands(max_hands);
   Segmentation result;
   result.reason = "no surface was measured in the frame";
   if (frame.depth_mm.empty()) return result;
@@ -125,7 +126,7 @@ Segmentation ForestSegmenter::segment(const Frame& frame, const std::optional<Po
   }
   std::ranges::stable_sort(found, {},
                            [](const auto& hand) { return std::pair(hand.first, -hand.second.score); });
-  if (std::ssize(found) > max_hands_) found.resize(static_cast<std::size_t>(max_hands_));
+  if (std::ssize(found) > max_hands) found.resize(static_cast<std::size_t>(max_hands));
   for (auto& [distance, region] : found) result.hands.push_back(std::move(region));
   result.reason.clear();
   if (result.hands.empty()) {

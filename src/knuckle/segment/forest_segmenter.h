@@ -34,16 +34,14 @@ struct ForestSegmenterOptions {
 /// components that hold points within 20 mm of it).
 class ForestSegmenter final : public Segmenter {
  public:
-  /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
-  ForestSegmenter(PixelForest forest, const ForestSegmenterOptions& options, int max_hands = 1);
+  /// Throws an Error where an option is out of range.
+  ForestSegmenter(PixelForest forest, const ForestSegmenterOptions& options);
 
-  /// Throws an Error where the start is not finite, or the image has not the size of its camera.
-  Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const override;
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override;
 
  private:
   PixelForest forest_;
   ForestSegmenterOptions options_;
-  int max_hands_;
   mutable RayCache ray_cache_;
 };
 

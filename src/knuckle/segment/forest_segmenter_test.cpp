@@ -68,7 +68,7 @@ TEST(ForestSegmenter, FindsWhatItWasTrainedOn) {
   const ForestSegmenter segmenter(ball_forest(), {});
   for (std::uint64_t seed = 100; seed < 105; ++seed) {
     const Frame frame = ball_before_trunk(seed);
-    const Segmentation found = segmenter.segment(frame, std::nullopt);
+    const Segmentation found = segmenter.segment(frame, std::nullopt, 1);
     ASSERT_EQ(found.hands.size(), 1U) << found.reason;
     const HandRegion& hand = found.hands[0];
     int in_both = 0;
@@ -89,7 +89,7 @@ TEST(ForestSegmenter, SaysWhyThereIsNoHand) {
   const ForestSegmenter segmenter(ball_forest(), {});
   Frame frame = blank_frame(quarter_vga_camera());
   draw_rod(frame, RayTable(frame.camera), Point3(0, -150, 1000), Point3(0, 400, 1000), 180);
-  const Segmentation found = segmenter.segment(frame, std::nullopt);
+  const Segmentation found = segmenter.segment(frame, std::nullopt, 1);
   EXPECT_TRUE(found.hands.empty());
   EXPECT_THAT(found.reason, HasSubstr("takes for a hand"));
 }
@@ -99,8 +99,8 @@ TEST(ForestSegmenter, TakesTheHandAtTheStart) {
   draw_ball(frame, Point3(-200, 0, 500), 60);
   draw_ball(frame, Point3(220, 0, 500), 50);
   const ForestSegmenter segmenter(trusting_forest(), {});
-  EXPECT_LT(segmenter.segment(frame, std::nullopt).hands.at(0).centre.x(), -100);
-  EXPECT_GT(segmenter.segment(frame, Point3(180, 0, 480)).hands.at(0).centre.x(), 100);
+  EXPECT_LT(segmenter.segment(frame, std::nullopt, 1).hands.at(0).centre.x(), -100);
+  EXPECT_GT(segmenter.segment(frame, Point3(180, 0, 480), 1).hands.at(0).centre.x(), 100);
 }
 
 TEST(ForestSegmenter, FiltersDoWhatTheirNamesSay) {
@@ -111,7 +111,7 @@ TEST(ForestSegmenter, FiltersDoWhatTheirNamesSay) {
   for (int column = 150; column < 200; ++column) frame.depth_mm(column, 100) = 500.0F;  // a thread
   const auto box_with = [&](int median, int closing, int opening) {
     const ForestSegmenterOptions options{.median_px = median, .closing_px = closing, .opening_px = opening};
-    return ForestSegmenter(trusting_forest(), options).segment(frame, std::nullopt).hands.at(0).box;
+    return ForestSegmenter(trusting_forest(), options).segment(frame, std::nullopt, 1).hands.at(0).box;
   };
   EXPECT_EQ(box_with(1, 1, 1), (Box{50, 50, 150, 100}));
   EXPECT_EQ(box_with(3, 1, 1), (Box{50, 50, 101, 100}));  // the thread's root has a majority
@@ -131,7 +131,7 @@ TEST(ForestSegmenter, TrimsTheEdgeWhereAsked) {
   }
   const auto hand_with = [&](double step) {
     return ForestSegmenter(trusting_forest(), {.edge_step_mm = step})
-        .segment(frame, std::nullopt)
+        .segment(frame, std::nullopt, 1)
         .hands.at(0);
   };
   EXPECT_EQ(hand_with(0.0).box, (Box{40, 40, 160, 160}));

@@ -108,8 +108,7 @@ void MeanShiftSegmenterOptions::visit(OptionVisitor& visitor) {
   visitor.integer("max_candidates", max_candidates, closed(1, 1000));
 }
 
-MeanShiftSegmenter::MeanShiftSegmenter(const MeanShiftSegmenterOptions& options, int max_hands)
-    : options_(options), max_hands_(max_hands) {
+MeanShiftSegmenter::MeanShiftSegmenter(const MeanShiftSegmenterOptions& options) : options_(options) {
   check_options(options_, "mean shift segmentation");
   if (options_.min_area_mm2 > options_.max_area_mm2) {
     fail(
@@ -117,12 +116,13 @@ MeanShiftSegmenter::MeanShiftSegmenter(const MeanShiftSegmenterOptions& options,
         "max_area_mm2",
         options_.min_area_mm2, options_.max_area_mm2);
   }
-  check_max_hands(max_hands);
 }
 
-Segmentation MeanShiftSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
+Segmentation MeanShiftSegmenter::segment(const Frame& frame, const std::optional<Point3>& start,
+                                         int max_hands) const {
   check_size(frame);
   check_start(frame, start);
+  check_max_hands(max_hands);
   Segmentation result;
   result.reason = "no surface was measured in the frame";
   if (frame.depth_mm.empty()) return result;
@@ -139,7 +139,7 @@ Segmentation MeanShiftSegmenter::segment(const Frame& frame, const std::optional
     const bool is_hand = candidate.region.has_value();
     result.reason = candidate.reason;
     if (is_hand) result.hands.push_back(*std::move(candidate.region));
-    if (std::ssize(result.hands) == max_hands_ || (is_start_given && !is_hand)) break;
+    if (std::ssize(result.hands) == max_hands || (is_start_given && !is_hand)) break;
     if (rest.empty()) rest = frame.depth_mm;
     take_out(rest, *rays, candidate.used);
   }

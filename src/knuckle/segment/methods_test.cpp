@@ -27,7 +27,7 @@ TEST(MeanShiftSegmenter, HandIsWhatTheKernelReaches) {
   EXPECT_NEAR(reach, 155.4, 0.05);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Frame frame = hand_frame(seed);
-    const Segmentation found = segmenter.segment(frame, std::nullopt);
+    const Segmentation found = segmenter.segment(frame, std::nullopt, 1);
     ASSERT_EQ(found.hands.size(), 1u);
     const HandRegion& hand = found.hands[0];
     const Projection projection(frame.camera);
@@ -49,9 +49,9 @@ TEST(MeanShiftSegmenter, StartsWhereItIsTold) {
   draw_ball(frame, Point3(-200, 0, 500), 60);
   draw_ball(frame, Point3(220, 0, 700), 60);
   const MeanShiftSegmenter segmenter{MeanShiftSegmenterOptions{}};
-  EXPECT_LT(segmenter.segment(frame, std::nullopt).hands.at(0).centre.x(), -100);
-  EXPECT_GT(segmenter.segment(frame, Point3(180, 0, 700)).hands.at(0).centre.x(), 100);
-  const Segmentation lost = segmenter.segment(frame, Point3(0, 0, 3000));
+  EXPECT_LT(segmenter.segment(frame, std::nullopt, 1).hands.at(0).centre.x(), -100);
+  EXPECT_GT(segmenter.segment(frame, Point3(180, 0, 700), 1).hands.at(0).centre.x(), 100);
+  const Segmentation lost = segmenter.segment(frame, Point3(0, 0, 3000), 1);
   EXPECT_TRUE(lost.hands.empty());
   EXPECT_EQ(lost.reason, "no measurement near the start");
 }
@@ -64,21 +64,21 @@ TEST(MeanShiftSegmenter, ScoresAnUnboundedPlaneWithOne) {
   Frame frame = blank_frame(camera);
   std::ranges::fill(frame.depth_mm.pixels(), 600.0f);
   const MeanShiftSegmenter segmenter{MeanShiftSegmenterOptions{}};
-  EXPECT_NEAR(segmenter.segment(frame, Point3(0, 0, 600)).hands.at(0).score, 1.0, 0.01);
+  EXPECT_NEAR(segmenter.segment(frame, Point3(0, 0, 600), 1).hands.at(0).score, 1.0, 0.01);
   // A finger's width of it.
   for (int row = 0; row < 240; ++row) {
     for (int column = 0; column < 320; ++column) {
       if (std::abs(row - 120) > 9) frame.depth_mm(column, row) = 0.0f;
     }
   }
-  EXPECT_LT(segmenter.segment(frame, Point3(0, 0, 600)).hands.at(0).score, 0.8);
+  EXPECT_LT(segmenter.segment(frame, Point3(0, 0, 600), 1).hands.at(0).score, 0.8);
 }
 
 TEST(MeanShiftSegmenter, LeavesTheFirstHandsPointsOutOfTheSecond) {
   Frame frame = blank_frame(quarter_vga_camera());
   draw_ball(frame, Point3(-130, 0, 500), 60);
   draw_ball(frame, Point3(130, 0, 500), 60);
-  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}, 2).segment(frame, std::nullopt);
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 2);
   ASSERT_EQ(found.hands.size(), 2u);
   for (int row = 0; row < 240; ++row) {
     for (int column = 0; column < 320; ++column) {
@@ -91,10 +91,10 @@ TEST(MeanShiftSegmenter, TakesNoWallForAHandUnlessItIsToldTo) {
   Frame frame = blank_frame(quarter_vga_camera());
   std::ranges::fill(frame.depth_mm.pixels(), 900.0f);
   const MeanShiftSegmenter segmenter{MeanShiftSegmenterOptions{}};
-  const Segmentation found = segmenter.segment(frame, std::nullopt);
+  const Segmentation found = segmenter.segment(frame, std::nullopt, 1);
   EXPECT_TRUE(found.hands.empty());
   EXPECT_THAT(found.reason, ::testing::HasSubstr("a hand at most 40000"));
-  EXPECT_EQ(segmenter.segment(frame, Point3(0, 0, 900)).hands.size(), 1u);
+  EXPECT_EQ(segmenter.segment(frame, Point3(0, 0, 900), 1).hands.size(), 1u);
 }
 
 TEST(MeanShiftSegmenter, FindsTheHandBehindASpeckleThatLeadsIntoTheTrunk) {
@@ -103,12 +103,12 @@ TEST(MeanShiftSegmenter, FindsTheHandBehindASpeckleThatLeadsIntoTheTrunk) {
   draw_rod(frame, rays, Point3(100, -150, 800), Point3(100, 300, 800), 160);  // trunk
   draw_ball(frame, Point3(-160, 0, 680), 55);                                 // hand
   draw_ball(frame, Point3(150, 100, 600), 12);                                // speckle
-  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt);
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 1);
   ASSERT_EQ(found.hands.size(), 1u);
   EXPECT_NEAR(found.hands[0].centre.x(), -155, 15);
   MeanShiftSegmenterOptions unbounded;
   unbounded.max_area_mm2 = 1e6;
-  EXPECT_GT(MeanShiftSegmenter(unbounded).segment(frame, std::nullopt).hands.at(0).centre.x(), 50);
+  EXPECT_GT(MeanShiftSegmenter(unbounded).segment(frame, std::nullopt, 1).hands.at(0).centre.x(), 50);
 }
 
 TEST(MeanShiftSegmenter, RefusesAreasInTheWrongOrder) {
@@ -123,9 +123,9 @@ TEST(MeanShiftSegmenter, GivesUpAfterTheGivenCandidates) {
   for (int i = 0; i < 3; ++i) draw_ball(frame, Point3(-240 + 240 * i, 0, 400), 10);
   draw_ball(frame, Point3(0, 0, 900), 80);
   MeanShiftSegmenterOptions options;
-  EXPECT_EQ(MeanShiftSegmenter(options).segment(frame, std::nullopt).hands.size(), 1u);
+  EXPECT_EQ(MeanShiftSegmenter(options).segment(frame, std::nullopt, 1).hands.size(), 1u);
   options.max_candidates = 2;
-  EXPECT_TRUE(MeanShiftSegmenter(options).segment(frame, std::nullopt).hands.empty());
+  EXPECT_TRUE(MeanShiftSegmenter(options).segment(frame, std::nullopt, 1).hands.empty());
 }
 
 TEST(ThresholdSegmenter, TakesTheIntervalOfThePaper) {
@@ -134,7 +134,7 @@ TEST(ThresholdSegmenter, TakesTheIntervalOfThePaper) {
     for (int column = 0; column < 320; ++column)
       frame.depth_mm(column, row) = 400.0f + 2.0f * static_cast<float>(column);
   }
-  const Segmentation found = ThresholdSegmenter(ThresholdSegmenterOptions{}).segment(frame, std::nullopt);
+  const Segmentation found = ThresholdSegmenter(ThresholdSegmenterOptions{}).segment(frame, std::nullopt, 1);
   ASSERT_EQ(found.hands.size(), 1u);
   // The median at the border's columns 0 to 2 is that of column 1, at the corners no window is half full.
   EXPECT_EQ(found.hands[0].box, (Box{0, 0, 152, 240}));
@@ -149,8 +149,8 @@ TEST(ThresholdSegmenter, TakesAFixedIntervalWhereAsked) {
   options.near_mm = 700;
   options.far_mm = 900;
   const ThresholdSegmenter segmenter(options);
-  EXPECT_GT(segmenter.segment(frame, std::nullopt).hands.at(0).centre.x(), 100);
-  EXPECT_GT(segmenter.segment(frame, Point3(-100, 0, 400)).hands.at(0).centre.x(), 100);
+  EXPECT_GT(segmenter.segment(frame, std::nullopt, 1).hands.at(0).centre.x(), 100);
+  EXPECT_GT(segmenter.segment(frame, Point3(-100, 0, 400), 1).hands.at(0).centre.x(), 100);
 }
 
 TEST(ThresholdSegmenter, TakesTheLargestComponentWhereAsked) {
@@ -158,9 +158,9 @@ TEST(ThresholdSegmenter, TakesTheLargestComponentWhereAsked) {
   draw_ball(frame, Point3(-200, 0, 480), 40);
   draw_ball(frame, Point3(150, 0, 500), 60);
   ThresholdSegmenterOptions options;
-  EXPECT_GT(ThresholdSegmenter(options).segment(frame, std::nullopt).hands.at(0).box.width, 150);
+  EXPECT_GT(ThresholdSegmenter(options).segment(frame, std::nullopt, 1).hands.at(0).box.width, 150);
   options.pixels = "component";
-  const Segmentation found = ThresholdSegmenter(options).segment(frame, std::nullopt);
+  const Segmentation found = ThresholdSegmenter(options).segment(frame, std::nullopt, 1);
   ASSERT_EQ(found.hands.size(), 1u);
   EXPECT_LT(found.hands[0].box.width, 80);
   EXPECT_GT(found.hands[0].centre.x(), 100);

@@ -104,7 +104,7 @@ TEST(Recordings, MeanShiftFromTheNearestPointFindsTheHandOfEveryLabelledFrame) {
   const MeanShiftSegmenter segmenter{MeanShiftSegmenterOptions{}};
   double sum = 0.0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Segmentation found = segmenter.segment(frames[i], std::nullopt);
+    const Segmentation found = segmenter.segment(frames[i], std::nullopt, 1);
     ASSERT_EQ(found.hands.size(), 1u) << frames[i].name;
     const Box truth = joint_box(labels[i]);
     // A fist's joints span 80 mm, the kernel 310: its box has wrist and forearm in it.
@@ -129,7 +129,7 @@ TEST(Recordings, EveryFrameHasAHandForEveryMethod) {
     for (const Frame& frame : frames) {
       for (const Segmenter* segmenter :
            {static_cast<const Segmenter*>(&mean_shift), static_cast<const Segmenter*>(&threshold)}) {
-        const Segmentation found = segmenter->segment(frame, std::nullopt);
+        const Segmentation found = segmenter->segment(frame, std::nullopt, 1);
         EXPECT_EQ(found.hands.size(), 1u) << frame.name << ": " << found.reason;
       }
     }
@@ -142,7 +142,7 @@ TEST(Recordings, MeanShiftAgreesWithThePaintedHandMask) {
   const Frame frame = frames_of(root, recording).at(0);
   const Image<std::uint8_t> truth = read_png8(root / recording.folder / "mask" / "000000.png");
   const HandRegion hand =
-      MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt).hands.at(0);
+      MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 1).hands.at(0);
   int common = 0;
   int either = 0;
   for (int row = 0; row < truth.height(); ++row) {

@@ -34,10 +34,11 @@ class Segmenter {
   virtual ~Segmenter() = default;
 
   /// `start`, where given, is a point in camera coordinates [mm] to look for the hand at; otherwise the
-  /// method chooses where to start (the nearest point). Throws an Error where the start is not finite (a
-  /// missing joint is the caller's to notice) or the image has not the size of its camera. Safe to call from
-  /// many threads.
-  virtual Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const = 0;
+  /// method chooses where to start (the nearest point). Returns at most `max_hands` hands, [1, 16]. Throws an
+  /// Error where that is out of range, the start is not finite (a missing joint is the caller's to notice) or
+  /// the image has not the size of its camera. Safe to call from many threads.
+  virtual Segmentation segment(const Frame& frame, const std::optional<Point3>& start,
+                               int max_hands) const = 0;
 };
 
 }  // namespace knuckle

@@ -21,23 +21,23 @@ namespace {
 constexpr std::array<std::string_view, 3> kNames{"mean_shift", "threshold", "forest"};
 
 template <class Method, class Options>
-std::unique_ptr<Segmenter> create(const OptionTable& table, int max_hands) {
+std::unique_ptr<Segmenter> create(const OptionTable& table) {
   Options options;
   table.read(options);
   table.finish();
-  return std::make_unique<Method>(options, max_hands);
+  return std::make_unique<Method>(options);
 }
 
 /// The model is named by a path relative to the table's file.
-std::unique_ptr<Segmenter> create_forest(const OptionTable& table, int max_hands) {
+std::unique_ptr<Segmenter> create_forest(const OptionTable& table) {
   ForestSegmenterOptions options;
   const std::filesystem::path model = table.resolved_path(table.required_text("model"));
   table.read(options);
   table.finish();
-  return std::make_unique<ForestSegmenter>(load_segmentation_forest(model), options, max_hands);
+  return std::make_unique<ForestSegmenter>(load_segmentation_forest(model), options);
 }
 
-using Create = std::unique_ptr<Segmenter> (*)(const OptionTable& table, int max_hands);
+using Create = std::unique_ptr<Segmenter> (*)(const OptionTable& table);
 constexpr std::array<Create, kNames.size()> kCreate{
     create<MeanShiftSegmenter, MeanShiftSegmenterOptions>,
     create<ThresholdSegmenter, ThresholdSegmenterOptions>,
@@ -50,17 +50,17 @@ std::span<const std::string_view> segmenter_names() {
   return kNames;
 }
 
-std::unique_ptr<Segmenter> create_segmenter(std::string_view name, const OptionTable& table, int max_hands) {
+std::unique_ptr<Segmenter> create_segmenter(std::string_view name, const OptionTable& table) {
   const auto place = std::ranges::find(kNames, name);
   if (place == kNames.end()) {
     fail("there is no segmentation method \"{}\"; known: {}", name,
          joined(std::vector<std::string>(kNames.begin(), kNames.end())));
   }
-  return kCreate[static_cast<std::size_t>(place - kNames.begin())](table, max_hands);
+  return kCreate[static_cast<std::size_t>(place - kNames.begin())](table);
 }
 
-std::unique_ptr<Segmenter> create_segmenter(const OptionTable& table, int max_hands) {
-  return create_segmenter(table.choice_or("method", kNames[0], kNames), table, max_hands);
+std::unique_ptr<Segmenter> create_segmenter(const OptionTable& table) {
+  return create_segmenter(table.choice_or("method", kNames[0], kNames), table);
 }
 
 }  // namespace knuckle

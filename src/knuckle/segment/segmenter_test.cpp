@@ -48,9 +48,8 @@ std::string model_line(std::string_view name) {
 
 class SegmenterTest : public ::testing::TestWithParam<Setup> {
  protected:
-  static std::unique_ptr<Segmenter> segmenter(int max_hands = 1) {
-    return create_segmenter(OptionTable::parse(GetParam().toml + model_line(GetParam().name), "test.toml"),
-                            max_hands);
+  static std::unique_ptr<Segmenter> segmenter() {
+    return create_segmenter(OptionTable::parse(GetParam().toml + model_line(GetParam().name), "test.toml"));
   }
   static bool finds_several_hands() { return GetParam().toml.find("\"all\"") == std::string::npos; }
 };
@@ -95,15 +94,15 @@ TEST_P(SegmenterTest, FindsNoHandInABlankFrame) {
   for (const float value : {0.0f, -1.0f, kInfinity, -kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
     Frame frame = blank_frame(quarter_vga_camera());
     std::ranges::fill(frame.depth_mm.pixels(), value);
-    const Segmentation found = segmenter()->segment(frame, std::nullopt);
+    const Segmentation found = segmenter()->segment(frame, std::nullopt, 1);
     EXPECT_TRUE(found.hands.empty());
     EXPECT_FALSE(found.reason.empty());
-    EXPECT_TRUE(segmenter()->segment(frame, Point3(0, 0, 500)).hands.empty());
+    EXPECT_TRUE(segmenter()->segment(frame, Point3(0, 0, 500), 1).hands.empty());
   }
 }
 
 TEST_P(SegmenterTest, FindsNoHandInAFrameWithoutPixels) {
-  const Segmentation found = segmenter()->segment(Frame{}, std::nullopt);
+  const Segmentation found = segmenter()->segment(Frame{}, std::nullopt, 1);
   EXPECT_TRUE(found.hands.empty());
   EXPECT_FALSE(found.reason.empty());
 }
@@ -119,9 +118,9 @@ TEST_P(SegmenterTest, SurvivesNoise) {
       if (kind > 0.98) depth = std::numeric_limits<float>::quiet_NaN();
       if (kind > 0.5 && seed % 2 == 0) depth = 0.0f;
     }
-    const Segmentation found = segmenter(4)->segment(frame, std::nullopt);
+    const Segmentation found = segmenter()->segment(frame, std::nullopt, 4);
     expect_sound(found, frame);
-    expect_sound(segmenter()->segment(frame, Point3(0, 0, 700)), frame);
+    expect_sound(segmenter()->segment(frame, Point3(0, 0, 700), 1), frame);
   }
 }
 
@@ -130,7 +129,7 @@ TEST_P(SegmenterTest, FindsABall) {
   const Point3 centre(-40, 30, 520);
   draw_ball(frame, centre, 60);
   for (const std::optional<Point3>& start : {std::optional<Point3>(), std::optional<Point3>({0, 0, 500})}) {
-    const Segmentation found = segmenter()->segment(frame, start);
+    const Segmentation found = segmenter()->segment(frame, start, 1);
     expect_sound(found, frame);
     ASSERT_EQ(found.hands.size(), 1u);
     const HandRegion& hand = found.hands[0];
@@ -149,11 +148,11 @@ TEST_P(SegmenterTest, FindsABall) {
 TEST_P(SegmenterTest, IgnoresSpecklesInFrontOfTheHand) {
   Frame frame = blank_frame(quarter_vga_camera());
   draw_ball(frame, Point3(0, 0, 720), 60);
-  const Segmentation clean = segmenter()->segment(frame, std::nullopt);
+  const Segmentation clean = segmenter()->segment(frame, std::nullopt, 1);
   frame.depth_mm(20, 20) = 130.0f;
   frame.depth_mm(300, 200) = 150.0f;
   for (int i = 0; i < 25; ++i) frame.depth_mm(100 + i % 5, 30 + i / 5) = 200.0f;  // survives the median
-  expect_same(segmenter()->segment(frame, std::nullopt), clean, 0.02);
+  expect_same(segmenter()->segment(frame, std::nullopt, 1), clean, 0.02);
 }
 
 TEST_P(SegmenterTest, FindsAHandThatTheBorderCuts) {
@@ -161,7 +160,7 @@ TEST_P(SegmenterTest, FindsAHandThatTheBorderCuts) {
        {Point3(-330, 0, 500), Point3(330, 0, 500), Point3(0, -248, 500), Point3(0, 240, 500)}) {
     Frame frame = blank_frame(quarter_vga_camera());
     draw_ball(frame, centre, 60);
-    const Segmentation found = segmenter()->segment(frame, std::nullopt);
+    const Segmentation found = segmenter()->segment(frame, std::nullopt, 1);
     expect_sound(found, frame);
     EXPECT_EQ(found.hands.size(), 1u) << centre.transpose();
   }
@@ -170,8 +169,8 @@ TEST_P(SegmenterTest, FindsAHandThatTheBorderCuts) {
 TEST_P(SegmenterTest, CallsNothingAHandThatIsTooSmall) {
   Frame frame = blank_frame(quarter_vga_camera());
   draw_ball(frame, Point3(0, 0, 500), 12);
-  EXPECT_TRUE(segmenter()->segment(frame, std::nullopt).hands.empty());
-  const Segmentation found = segmenter()->segment(frame, Point3(0, 0, 500));
+  EXPECT_TRUE(segmenter()->segment(frame, std::nullopt, 1).hands.empty());
+  const Segmentation found = segmenter()->segment(frame, Point3(0, 0, 500), 1);
   EXPECT_TRUE(found.hands.empty());
   EXPECT_THAT(found.reason, HasSubstr("mm^2"));
 }
@@ -181,7 +180,7 @@ TEST_P(SegmenterTest, FindsAtMostTheHandsAskedFor) {
   draw_ball(frame, Point3(-220, 0, 500), 60);
   draw_ball(frame, Point3(200, 20, 520), 55);
   for (int max_hands = 1; max_hands <= 3; ++max_hands) {
-    const Segmentation found = segmenter(max_hands)->segment(frame, std::nullopt);
+    const Segmentation found = segmenter()->segment(frame, std::nullopt, max_hands);
     expect_sound(found, frame);
     const int expected = finds_several_hands() ? std::min(max_hands, 2) : 1;
     ASSERT_EQ(std::ssize(found.hands), expected);
@@ -195,9 +194,9 @@ TEST_P(SegmenterTest, FindsAtMostTheHandsAskedFor) {
 TEST_P(SegmenterTest, GivesTheMirroredResultForTheMirroredFrame) {
   for (std::uint64_t seed = 20; seed < 24; ++seed) {
     const Frame frame = hand_frame(seed);
-    const Segmentation found = segmenter()->segment(frame, std::nullopt);
+    const Segmentation found = segmenter()->segment(frame, std::nullopt, 1);
     ASSERT_EQ(found.hands.size(), 1u);
-    Segmentation mirror = segmenter()->segment(mirrored(frame), std::nullopt);
+    Segmentation mirror = segmenter()->segment(mirrored(frame), std::nullopt, 1);
     for (HandRegion& hand : mirror.hands) hand = mirrored(hand, frame.depth_mm.width());
     ASSERT_EQ(mirror.hands.size(), 1u);
     EXPECT_LT((mirror.hands[0].centre - found.hands[0].centre).norm(), 0.05);
@@ -211,7 +210,7 @@ TEST_P(SegmenterTest, SeesADistortedCamerasHandWhereItIs) {
   const Point3 centre(150, 100, 500);
   Frame frame = blank_frame(camera);
   draw_ball(frame, centre, 60);
-  const Segmentation found = segmenter()->segment(frame, std::nullopt);
+  const Segmentation found = segmenter()->segment(frame, std::nullopt, 1);
   ASSERT_EQ(found.hands.size(), 1u);
   EXPECT_LT(found.hands[0].centre.cross(centre.normalized()).norm(), 1.5);
 }
@@ -222,7 +221,7 @@ TEST_P(SegmenterTest, WorksWithAnOrthographicCamera) {
   camera.fx = camera.fy = 0.5;
   Frame frame = blank_frame(camera);
   draw_ball(frame, Point3(50, -40, 500), 60);
-  const Segmentation found = segmenter()->segment(frame, std::nullopt);
+  const Segmentation found = segmenter()->segment(frame, std::nullopt, 1);
   ASSERT_EQ(found.hands.size(), 1u);
   EXPECT_NEAR(found.hands[0].centre.x(), 50.0, 0.5);
   EXPECT_NEAR(found.hands[0].centre.y(), -40.0, 0.5);
@@ -234,27 +233,31 @@ TEST_P(SegmenterTest, GivesTheSameOnAllThreads) {
   frames[1].camera.cx += 1.0;  // so that the threads do not agree on one camera
   const std::unique_ptr<Segmenter> shared = segmenter();
   std::vector<Segmentation> found(64);
-  parallel_for(64, [&](std::int64_t i) { found[i] = shared->segment(frames[i % 4], std::nullopt); });
+  parallel_for(64, [&](std::int64_t i) { found[i] = shared->segment(frames[i % 4], std::nullopt, 1); });
   for (std::size_t i = 0; i < found.size(); ++i) {
-    expect_same(found[i], segmenter()->segment(frames[i % 4], std::nullopt), 0.0);
+    expect_same(found[i], segmenter()->segment(frames[i % 4], std::nullopt, 1), 0.0);
   }
 }
 
 TEST_P(SegmenterTest, NamesTheFrameThatDoesNotFit) {
   Frame frame = hand_frame(0);
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity()}) {
-    const std::string message = error_of([&] { (void)segmenter()->segment(frame, Point3(0, bad, 500)); });
+    const std::string message = error_of([&] { (void)segmenter()->segment(frame, Point3(0, bad, 500), 1); });
     EXPECT_THAT(message, HasSubstr(frame.name));
     EXPECT_THAT(message, HasSubstr("finite"));
   }
   frame.camera.width = 321;
-  EXPECT_THAT(error_of([&] { (void)segmenter()->segment(frame, std::nullopt); }),
+  EXPECT_THAT(error_of([&] { (void)segmenter()->segment(frame, std::nullopt, 1); }),
               HasSubstr("the depth image is 320 x 240 pixels, its camera 321 x 240"));
 }
 
 TEST_P(SegmenterTest, RefusesImpossibleNumbersOfHands) {
-  EXPECT_THAT(error_of([] { (void)segmenter(0); }), HasSubstr("max_hands is 0"));
-  EXPECT_THAT(error_of([] { (void)segmenter(17); }), HasSubstr("max_hands is 17"));
+  EXPECT_THAT(
+      error_of([] { (void)segmenter()->segment(blank_frame(quarter_vga_camera()), std::nullopt, 0); }),
+      HasSubstr("max_hands is 0"));
+  EXPECT_THAT(
+      error_of([] { (void)segmenter()->segment(blank_frame(quarter_vga_camera()), std::nullopt, 17); }),
+      HasSubstr("max_hands is 17"));
 }
 
 INSTANTIATE_TEST_SUITE_P(AllMethods, SegmenterTest,

@@ -50,14 +50,12 @@ void ThresholdSegmenterOptions::visit(OptionVisitor& visitor) {
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
 }
 
-ThresholdSegmenter::ThresholdSegmenter(const ThresholdSegmenterOptions& options, int max_hands)
-    : options_(options), max_hands_(max_hands) {
+ThresholdSegmenter::ThresholdSegmenter(const ThresholdSegmenterOptions& options) : options_(options) {
   check_options(options_, "threshold segmentation");
   if (options_.near_mm >= options_.far_mm) {
     fail("threshold segmentation: near_mm is {} and far_mm {}, expected near_mm < far_mm", options_.near_mm,
          options_.far_mm);
   }
-  check_max_hands(max_hands);
 }
 
 HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& frame) const {
@@ -68,7 +66,8 @@ HandRegion ThresholdSegmenter::region_of(const PixelList& pixels, const Frame& f
 }
 
 std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, const Image<float>& depth_mm,
-                                                          double near_mm, double far_mm) const {
+                                                          double near_mm, double far_mm,
+                                                          int max_hands) const {
   const PixelList all = pixels_between(depth_mm, near_mm, far_mm);
   std::vector<PixelList> parts{all};
   if (options_.pixels == "component") parts = connected_parts(all, depth_mm.width(), depth_mm.height());
@@ -76,21 +75,23 @@ std::vector<HandRegion> ThresholdSegmenter::hands_between(const Frame& frame, co
   std::erase_if(parts,
                 [&](const PixelList& part) { return part.empty() || area_of(part) < options_.min_area_mm2; });
   std::ranges::stable_sort(parts, std::greater{}, area_of);
-  if (std::ssize(parts) > max_hands_) parts.resize(static_cast<std::size_t>(max_hands_));
+  if (std::ssize(parts) > max_hands) parts.resize(static_cast<std::size_t>(max_hands));
   std::vector<HandRegion> hands;
   for (const PixelList& part : parts) hands.push_back(region_of(part, frame));
   return hands;
 }
 
-Segmentation ThresholdSegmenter::segment(const Frame& frame, const std::optional<Point3>& start) const {
+Segmentation ThresholdSegmenter::segment(const Frame& frame, const std::optional<Point3>& start,
+                                         int max_hands) const {
   check_size(frame);
   check_start(frame, start);
+  check_max_hands(max_hands);
   Segmentation result;
   if (options_.interval == "fixed") {
-    result.hands = hands_between(frame, frame.depth_mm, options_.near_mm, options_.far_mm);
+    result.hands = hands_between(frame, frame.depth_mm, options_.near_mm, options_.far_mm, max_hands);
   } else if (start) {
     const double half = 0.5 * options_.range_mm;
-    result.hands = hands_between(frame, frame.depth_mm, start->z() - half, start->z() + half);
+    result.hands = hands_between(frame, frame.depth_mm, start->z() - half, start->z() + half, max_hands);
   } else {
     Image<float> rest = frame.depth_mm;
     for (int i = 0; i < kMostCandidates && result.hands.empty(); ++i) {
@@ -98,7 +99,7 @@ Segmentation ThresholdSegmenter::segment(const Frame& frame, const std::optional
       if (!nearest) break;
       const double near_mm = nearest->depth_mm - options_.tolerance_mm;
       const double far_mm = nearest->depth_mm + options_.range_mm;
-      result.hands = hands_between(frame, rest, near_mm, far_mm);
+      result.hands = hands_between(frame, rest, near_mm, far_mm, max_hands);
       for (const std::int32_t pixel : pixels_between(rest, near_mm, far_mm)) rest.data()[pixel] = 0.0f;
     }
   }

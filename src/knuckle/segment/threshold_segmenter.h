@@ -41,18 +41,17 @@ struct ThresholdSegmenterOptions {
 /// Centre: mean of the points. Score: the area [mm^2].
 class ThresholdSegmenter final : public Segmenter {
  public:
-  /// Returns at most `max_hands` hands, [1, 16]. Throws an Error where an option is out of range.
-  explicit ThresholdSegmenter(const ThresholdSegmenterOptions& options, int max_hands = 1);
+  /// Throws an Error where an option is out of range.
+  explicit ThresholdSegmenter(const ThresholdSegmenterOptions& options);
 
-  Segmentation segment(const Frame& frame, const std::optional<Point3>& start) const override;
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override;
 
  private:
   std::vector<HandRegion> hands_between(const Frame& frame, const Image<float>& depth_mm, double near_mm,
-                                        double far_mm) const;
+                                        double far_mm, int max_hands) const;
   HandRegion region_of(const std::vector<std::int32_t>& pixels, const Frame& frame) const;
 
   ThresholdSegmenterOptions options_;
-  int max_hands_;
   mutable RayCache ray_cache_;
 };
 
