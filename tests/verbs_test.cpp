@@ -139,7 +139,7 @@ TEST_F(VerbsTest, RenderMakesAContactSheetAloneOrBesideItsFrames) {
   EXPECT_EQ(run_program({"render", "--manifest", "manifests/demo.toml"}).status, 2) << "nothing to make";
 }
 
-TEST_F(VerbsTest, SegmentWritesALineAFrame) {
+TEST_F(VerbsTest, SegmentWritesOneLinePerFrame) {
   ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", "pipelines/default.toml",
                            "--out", path("boxes.csv")}),
               Succeeded());

@@ -19,12 +19,12 @@ VERTICES, JOINTS, SHAPES = 778, 16, 10
 PARENTS = [-1, 0, 1, 2, 0, 4, 5, 0, 7, 8, 0, 10, 11, 0, 13, 14]
 
 
-def random_model(seed=5, bones_a_vertex=4):
+def random_model(seed=5, bones_per_vertex=4):
     """Arrays of MANO's shapes and types; a cloud of the size of a hand."""
     random = np.random.default_rng(seed)
     weights = np.zeros((VERTICES, JOINTS))
     for row in weights:
-        row[random.choice(JOINTS, bones_a_vertex, replace=False)] = random.dirichlet(np.ones(bones_a_vertex))
+        row[random.choice(JOINTS, bones_per_vertex, replace=False)] = random.dirichlet(np.ones(bones_per_vertex))
     regressor = np.zeros((JOINTS, VERTICES))
     for row in regressor:
         row[random.choice(VERTICES, 12, replace=False)] = random.dirichlet(np.ones(12))
@@ -204,7 +204,7 @@ class ManoConvertTest(ImportTest):
         np.testing.assert_array_equal(body.faces, self.model["f"][:, ::-1])
 
     def test_keeps_the_strongest_four_of_many_bones(self):
-        self.model = random_model(bones_a_vertex=9)
+        self.model = random_model(bones_per_vertex=9)
         process = run_python(CONVERTER, self.save_npz(), "--out", self.out)
         self.assert_done(process)
         self.assertIn("more than 4 bones lose up to", process.stdout)

@@ -18,7 +18,7 @@ struct DemoArguments {
 };
 
 /// Frames a second that one core manages, from the median time of a frame.
-double frames_a_second(std::span<const FrameEstimate> frames) {
+double frames_per_second(std::span<const FrameEstimate> frames) {
   return 1000.0 / median_ms(frames);
 }
 
@@ -30,7 +30,7 @@ Report report_of(const FrameSource& source, const std::string& name, std::span<c
   Report report;
   report.title = "Knuckle demo";
   report.facts = {{"source", name},
-                  {"speed", fmt::format("{:.0f} frames/s on one core", frames_a_second(frames))}};
+                  {"speed", fmt::format("{:.0f} frames/s on one core", frames_per_second(frames))}};
   report.evaluation = evaluate(truth, predictions);
   report.gallery = make_gallery({&source, &truth, &*report.evaluation, predictions});
   return report;
@@ -50,7 +50,7 @@ void run_demo(const DemoArguments& arguments) {
   write_resolved_options(arguments.out, pipeline.resolved_options());
   const MethodScore& score = report.evaluation->methods.front();
   fmt::print("{} frames at {:.0f} frames/s on one core, mean 3D error {:.1f} mm\n", frames.size(),
-             frames_a_second(frames), score.mean_3d_mm);
+             frames_per_second(frames), score.mean_3d_mm);
   fmt::print("report: {}\n", std::filesystem::absolute(page).string());
 }
 

@@ -59,9 +59,9 @@ LeafCounts shrink(const ShrinkArguments& arguments) {
 
 void run_shrink(const ShrinkArguments& arguments) {
   const LeafCounts leaves = shrink(arguments);
-  constexpr double kBytesAMegabyte = 1e6;
+  constexpr double kBytesPerMegabyte = 1e6;
   const auto megabytes = [](const std::filesystem::path& path) {
-    return static_cast<double>(std::filesystem::file_size(path)) / kBytesAMegabyte;
+    return static_cast<double>(std::filesystem::file_size(path)) / kBytesPerMegabyte;
   };
   fmt::print("{} leaves, {:.2f} MB -> {} leaves, {:.2f} MB: {}\n", leaves.before, megabytes(arguments.model),
              leaves.after, megabytes(arguments.out), arguments.out.string());

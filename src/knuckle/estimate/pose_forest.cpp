@@ -40,7 +40,7 @@ void check(const PoseForestModel& model, const std::string& origin) {
          model.forest.feature_count(), size, size);
   }
   const std::size_t landmarks = model.convention.landmarks.size();
-  if (model.forest.target_count() != static_cast<int>(landmarks) * kTargetsALandmark) {
+  if (model.forest.target_count() != static_cast<int>(landmarks) * kTargetsPerLandmark) {
     fail("{}: the forest predicts {} numbers, expected u v d of the {} landmarks of {}", origin,
          model.forest.target_count(), landmarks, model.convention.name);
   }
@@ -155,7 +155,7 @@ PatchPose PoseForestEstimator::estimate(const HandPatch& patch) const {
 
   const RegressionForest::Prediction prediction = model_.forest.predict(patch.pixels.pixels());
   PatchPose pose;
-  for (std::size_t i = 0; i < prediction.mean.size(); i += kTargetsALandmark) {
+  for (std::size_t i = 0; i < prediction.mean.size(); i += kTargetsPerLandmark) {
     pose.joints.push_back({prediction.mean[i], prediction.mean[i + 1], prediction.mean[i + 2]});
     if (model_.forest.tree_count() > 1) {
       const float spread = std::hypot(prediction.deviation[i], prediction.deviation[i + 1]) / std::sqrt(2.0F);

@@ -11,7 +11,7 @@ namespace knuckle {
 /// What a unit of d (a standard deviation of the hand's depth) counts against a unit of u or v (half the
 /// patch). A hand has a deviation of some 25 mm, half a patch some 100 mm.
 inline constexpr double kDepthWeight = 0.25;
-inline constexpr int kTargetsALandmark = 3;  ///< What a leaf holds of each landmark: u, v, d.
+inline constexpr int kTargetsPerLandmark = 3;  ///< What a leaf holds of each landmark: u, v, d.
 
 /// A pose forest with all that is needed to use it. Its features are the pixels of a patch, row by row; its
 /// targets are u, v, d of the convention's first landmark, then of the second, ... in patch coordinates.

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t kLanes = 16;
 /// Thresholds compared in one pass: their counters stay in registers.
-constexpr std::size_t kThresholdsAPass = 8;
+constexpr std::size_t kThresholdsPerPass = 8;
 
-using Thresholds = std::array<std::int16_t, kThresholdsAPass>;
-using Counts = std::array<std::int32_t, kThresholdsAPass>;
+using Thresholds = std::array<std::int16_t, kThresholdsPerPass>;
+using Counts = std::array<std::int32_t, kThresholdsPerPass>;
 
 std::int32_t lane_sum(Int16x16 values) {
   std::array<Int16x8, 2> halves;
@@ -28,16 +28,16 @@ std::int32_t lane_sum(Int16x16 values) {
 
 /// How many of `count` values (a multiple of kLanes) lie below each threshold.
 Counts count_below(const std::int16_t* values, std::size_t count, const Thresholds& thresholds) {
-  std::array<Int16x16, kThresholdsAPass> bounds;
-  for (std::size_t t = 0; t < kThresholdsAPass; ++t) bounds[t] = Int16x16{} + thresholds[t];
-  std::array<Int16x16, kThresholdsAPass> below{};
+  std::array<Int16x16, kThresholdsPerPass> bounds;
+  for (std::size_t t = 0; t < kThresholdsPerPass; ++t) bounds[t] = Int16x16{} + thresholds[t];
+  std::array<Int16x16, kThresholdsPerPass> below{};
   for (std::size_t i = 0; i < count; i += kLanes) {
     Int16x16 lanes;
     std::memcpy(&lanes, values + i, sizeof(lanes));
-    for (std::size_t t = 0; t < kThresholdsAPass; ++t) below[t] += bounds[t] > lanes;  // -1 where true
+    for (std::size_t t = 0; t < kThresholdsPerPass; ++t) below[t] += bounds[t] > lanes;  // -1 where true
   }
   Counts counts;
-  for (std::size_t t = 0; t < kThresholdsAPass; ++t) counts[t] = -lane_sum(below[t]);
+  for (std::size_t t = 0; t < kThresholdsPerPass; ++t) counts[t] = -lane_sum(below[t]);
   return counts;
 }
 
@@ -80,16 +80,16 @@ ThresholdSplit ClassStatistics::Node::best_split(std::span<const std::int16_t> v
   const std::int16_t* const ones = zeros + padded_[0];
   ThresholdSplit best;
   double best_gain = 0.0;
-  for (std::size_t done = 0; done < wanted; done += kThresholdsAPass) {
+  for (std::size_t done = 0; done < wanted; done += kThresholdsPerPass) {
     Thresholds thresholds;
-    for (std::size_t t = 0; t < kThresholdsAPass; ++t) {  // a pass that is not full repeats the last
+    for (std::size_t t = 0; t < kThresholdsPerPass; ++t) {  // a pass that is not full repeats the last
       thresholds[t] = value_of(values, start + std::min(done + t, wanted - 1) * all / wanted);
     }
     const Counts zeros_left = count_below(zeros, padded_[0], thresholds);
     const Counts ones_left = count_below(ones, padded_[1], thresholds);
     const auto extra_zeros = static_cast<std::int32_t>(padded_[0] - counts_[0]);
     const auto extra_ones = static_cast<std::int32_t>(padded_[1] - counts_[1]);
-    for (std::size_t t = 0; t < kThresholdsAPass; ++t) {
+    for (std::size_t t = 0; t < kThresholdsPerPass; ++t) {
       const std::int64_t left_zeros = zeros_left[t] - (ones[-1] < thresholds[t] ? extra_zeros : 0);
       const std::int64_t left_ones = ones_left[t] - (ones[padded_[1] - 1] < thresholds[t] ? extra_ones : 0);
       const std::int64_t left = left_zeros + left_ones;

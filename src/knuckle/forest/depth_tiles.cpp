@@ -16,8 +16,8 @@ DepthTiles::DepthTiles(const Image<float>& depth_mm) : width_(depth_mm.width()),
   if (columns * rows > std::numeric_limits<std::uint16_t>::max()) {
     fail("depth image of {} x {} pixels: too large to train a forest on", width_, height_);
   }
-  tiles_a_row_ = columns + 2;
-  tiles_.resize(static_cast<std::size_t>(tiles_a_row_) * (rows + 2));
+  tiles_per_row_ = columns + 2;
+  tiles_.resize(static_cast<std::size_t>(tiles_per_row_) * (rows + 2));
   pixels_.assign(kPixels, kFarDepth);
   for (int top = 0; top < rows; ++top) {
     for (int left = 0; left < columns; ++left) {
@@ -32,7 +32,7 @@ DepthTiles::DepthTiles(const Image<float>& depth_mm) : width_(depth_mm.width()),
         }
       }
       if (is_empty) continue;
-      tiles_[static_cast<std::size_t>(top + 1) * tiles_a_row_ + left + 1] =
+      tiles_[static_cast<std::size_t>(top + 1) * tiles_per_row_ + left + 1] =
           static_cast<std::uint16_t>(pixels_.size() / kPixels);
       pixels_.insert(pixels_.end(), tile.begin(), tile.end());
     }

@@ -33,7 +33,7 @@ class DepthTiles {
     // One tile of border all around takes whatever lies outside.
     const int x = std::clamp(column, -1, width_) + kSide;
     const int y = std::clamp(row, -1, height_) + kSide;
-    return {(y >> kSideBits) * tiles_a_row_ + (x >> kSideBits),
+    return {(y >> kSideBits) * tiles_per_row_ + (x >> kSideBits),
             ((y & (kSide - 1)) << kSideBits) + (x & (kSide - 1))};
   }
   std::int16_t at(Place place) const {
@@ -51,7 +51,7 @@ class DepthTiles {
 
   int width_ = 0;
   int height_ = 0;
-  std::int32_t tiles_a_row_ = 0;
+  std::int32_t tiles_per_row_ = 0;
   std::vector<std::uint16_t> tiles_;  // where each tile's pixels lie; tile 0 holds nothing but kFarDepth
   std::vector<std::int16_t> pixels_;
 };

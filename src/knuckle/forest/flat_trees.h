@@ -81,14 +81,14 @@ std::vector<std::size_t> append_nodes(FlatTrees<Feature>& trees, const GrownTree
 namespace detail {
 
 constexpr int kForestDeflateLevel = 9;
-constexpr std::uint64_t kNodesAChunk = 1 << 16;
+constexpr std::uint64_t kNodesPerChunk = 1 << 16;
 
 template <class T>
 void write_rows(Hdf5File& file, const std::string& name, const std::vector<T>& values, std::uint64_t columns,
-                std::uint64_t rows_a_chunk) {
+                std::uint64_t rows_per_chunk) {
   std::vector<std::uint64_t> shape{values.size() / columns};
   if (columns > 1) shape.push_back(columns);
-  file.write(name, shape, values.data(), {std::min(rows_a_chunk, shape[0]), kForestDeflateLevel});
+  file.write(name, shape, values.data(), {std::min(rows_per_chunk, shape[0]), kForestDeflateLevel});
 }
 
 /// One value an element.
@@ -108,7 +108,7 @@ void write_splits(Hdf5File& file, const std::vector<Element>& elements) {
   const auto write = [&]<class T>(const std::string& name, T value) {
     std::vector<std::remove_cvref_t<decltype(value(elements[0]))>> column(elements.size());
     std::ranges::transform(elements, column.begin(), value);
-    write_rows(file, name, column, 1, kNodesAChunk);
+    write_rows(file, name, column, 1, kNodesPerChunk);
   };
   Feature::for_each_column([&](const char* name, auto member) {
     write(name, [member](const Element& element) { return element.feature.*member; });
@@ -159,7 +159,7 @@ void write_trees(Hdf5File& file, const FlatTrees<Feature>& trees) {
   std::vector<std::uint8_t> is_leaf(trees.nodes.size());
   std::ranges::transform(trees.nodes, is_leaf.begin(),
                          [](const auto& node) { return node.next < 0 ? 1 : 0; });
-  detail::write_rows(file, "node_is_leaf", is_leaf, 1, detail::kNodesAChunk);
+  detail::write_rows(file, "node_is_leaf", is_leaf, 1, detail::kNodesPerChunk);
   detail::write_splits<Feature>(file, trees.nodes);
 }
 

@@ -12,7 +12,7 @@ namespace knuckle {
 
 namespace {
 
-constexpr std::uint64_t kLeavesAChunk = 1 << 10;
+constexpr std::uint64_t kLeavesPerChunk = 1 << 10;
 
 template <class Code>
 LeafTable::Codes read_codes(const Hdf5File& file, std::size_t columns) {
@@ -64,7 +64,7 @@ void write_leaves(Hdf5File& file, const LeafTable& leaves) {
   file.write("leaf_offset", {columns}, leaves.offset().data());
   file.write("leaf_step", {columns}, leaves.step().data());
   std::visit(
-      [&](const auto& codes) { detail::write_rows(file, "leaf_value", codes, columns, kLeavesAChunk); },
+      [&](const auto& codes) { detail::write_rows(file, "leaf_value", codes, columns, kLeavesPerChunk); },
       leaves.codes());
 }
 

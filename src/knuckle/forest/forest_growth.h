@@ -81,7 +81,7 @@ class TreeCheckpoint {
       file.set_attribute("tree", static_cast<double>(tree_));
       std::vector<float> gain;
       for (const NodeSplit<Feature>& split : log) gain.push_back(split.gain);
-      detail::write_rows(file, "node_gain", gain, 1, detail::kNodesAChunk);
+      detail::write_rows(file, "node_gain", gain, 1, detail::kNodesPerChunk);
       detail::write_splits<Feature>(file, log);
     });
     written_ = Clock::now();
@@ -104,9 +104,10 @@ void grow_trees(const Features& features, const Statistics& statistics, const Tr
                 std::span<const std::uint32_t> order, std::size_t first_tree, std::size_t trees,
                 const TrainingRun& run, const std::string& fingerprint, const Append& append) {
   using Grower = TreeGrower<Features, Statistics>;
-  const std::int64_t steps_a_tree = Grower::kStepsALevel * options.max_depth;
-  Progress progress("train forest", "thousandths of levels", static_cast<std::int64_t>(trees) * steps_a_tree);
-  progress.advance(static_cast<std::int64_t>(first_tree) * steps_a_tree);
+  const std::int64_t steps_per_tree = Grower::kStepsPerLevel * options.max_depth;
+  Progress progress("train forest", "thousandths of levels",
+                    static_cast<std::int64_t>(trees) * steps_per_tree);
+  progress.advance(static_cast<std::int64_t>(first_tree) * steps_per_tree);
   Grower grower(features, statistics, options);
   for (std::size_t tree = first_tree; tree < trees; ++tree) {
     TreeCheckpoint<typename Features::Feature> checkpoint(run, fingerprint, tree);

@@ -57,7 +57,7 @@ struct BallScene {
   Camera camera;
   std::vector<LabelledPixel> pixels;
 
-  explicit BallScene(std::uint64_t seed, int width = 61, int height = 47, int pixels_a_class = 40)
+  explicit BallScene(std::uint64_t seed, int width = 61, int height = 47, int pixels_per_class = 40)
       : depth_mm(width, height),
         camera{.width = width, .height = height, .fx = 60.0, .fy = -58.0, .cx = 30.0, .cy = 22.0} {
     Random random(seed);
@@ -79,7 +79,7 @@ struct BallScene {
       }
     }
     for (const std::vector<LabelledPixel>& all : of_class) {
-      for (int i = 0; i < pixels_a_class && !all.empty(); ++i) {
+      for (int i = 0; i < pixels_per_class && !all.empty(); ++i) {
         pixels.push_back(all[random.below(static_cast<std::uint32_t>(all.size()))]);
       }
     }

@@ -25,7 +25,7 @@ using Int16x4 [[gnu::vector_size(8)]] = std::int16_t;
 /// Pixels walked at once by a thread: while one waits for a node, the others go on.
 constexpr std::size_t kWalkers = 16;
 /// Pixels handed to a thread in one piece.
-constexpr std::int64_t kPixelsAPiece = 2048;
+constexpr std::int64_t kPixelsPerPiece = 2048;
 
 void check_parts(const PixelForest::Parts& parts, const std::string& origin) {
   check_trees(parts.trees, parts.leaf_codes.size(), origin);
@@ -173,10 +173,10 @@ void PixelForest::sum_codes(const Image<float>& depth_mm, const Camera& camera, 
   const std::vector<Pixel> pixels = measured_pixels(depth);
   const OffsetScale scale(camera);
   const TreeWalk walk(walk_.data(), depth, scale);
-  const std::int64_t pieces = (std::ssize(pixels) + kPixelsAPiece - 1) / kPixelsAPiece;
+  const std::int64_t pieces = (std::ssize(pixels) + kPixelsPerPiece - 1) / kPixelsPerPiece;
   parallel_for(pieces, [&](std::int64_t piece) {
-    const auto begin = pixels.begin() + piece * kPixelsAPiece;
-    const auto end = pixels.begin() + std::min((piece + 1) * kPixelsAPiece, std::ssize(pixels));
+    const auto begin = pixels.begin() + piece * kPixelsPerPiece;
+    const auto end = pixels.begin() + std::min((piece + 1) * kPixelsPerPiece, std::ssize(pixels));
     std::vector<Pixel> undecided(begin, end);
     int still_to_come = kMostCode * tree_count();
     for (const std::uint32_t root : parts_.trees.roots) {
@@ -220,7 +220,7 @@ void write_forest(Hdf5File& file, const PixelForest& forest) {
   const PixelForest::Parts& parts = forest.parts();
   file.set_attribute("far_depth_mm", double{kFarDepth});
   write_trees(file, parts.trees);
-  detail::write_rows(file, "leaf_code", parts.leaf_codes, 1, detail::kNodesAChunk);
+  detail::write_rows(file, "leaf_code", parts.leaf_codes, 1, detail::kNodesPerChunk);
 }
 
 PixelForest read_pixel_forest(const Hdf5File& file) {

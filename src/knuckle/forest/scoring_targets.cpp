@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLargest = 16383.0;
 /// Rows summed in one go; fixed, so that sums do not depend on the number of threads.
-constexpr std::int64_t kRowsAChunk = 4096;
+constexpr std::int64_t kRowsPerChunk = 4096;
 
 using Weights = Eigen::VectorXd;
 
@@ -29,11 +29,11 @@ Eigen::VectorXd weighted_row(const TrainingSamples& samples, std::uint32_t sampl
 /// Sums `term(sample)` over the samples: chunks in parallel, then their sums in order.
 template <class Term>
 Eigen::MatrixXd ordered_sum(std::span<const std::uint32_t> order, const Eigen::MatrixXd& zero, Term term) {
-  const std::int64_t chunks = (std::ssize(order) + kRowsAChunk - 1) / kRowsAChunk;
+  const std::int64_t chunks = (std::ssize(order) + kRowsPerChunk - 1) / kRowsPerChunk;
   std::vector<Eigen::MatrixXd> sums(static_cast<std::size_t>(chunks), zero);
   parallel_for(chunks, [&](std::int64_t chunk) {
-    const std::int64_t end = std::min(std::ssize(order), (chunk + 1) * kRowsAChunk);
-    for (std::int64_t i = chunk * kRowsAChunk; i < end; ++i) {
+    const std::int64_t end = std::min(std::ssize(order), (chunk + 1) * kRowsPerChunk);
+    for (std::int64_t i = chunk * kRowsPerChunk; i < end; ++i) {
       term(order[static_cast<std::size_t>(i)], sums[static_cast<std::size_t>(chunk)]);
     }
   });

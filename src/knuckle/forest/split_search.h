@@ -77,7 +77,7 @@ class SplitSearch {
 
  private:
   /// Candidates tried by one call of the loop's body.
-  static constexpr std::size_t kCandidatesAChunk = 256;
+  static constexpr std::size_t kCandidatesPerChunk = 256;
 
   NodeSplit<Feature> best_of(std::size_t first, std::size_t end, const TreeOptions& options) const;
 
@@ -99,12 +99,12 @@ auto SplitSearch<Features, Statistics>::best_split(const Features& features, con
   for (int i = 0; i < options.splits_per_node; ++i) {
     candidates_.push_back(features.draw(random, i, options.splits_per_node, block_));
   }
-  const std::size_t chunks = (candidates_.size() + kCandidatesAChunk - 1) / kCandidatesAChunk;
+  const std::size_t chunks = (candidates_.size() + kCandidatesPerChunk - 1) / kCandidatesPerChunk;
   std::vector<NodeSplit<Feature>> best(chunks);
   loop(static_cast<std::int64_t>(chunks), [&](std::int64_t index) {
     const auto chunk = static_cast<std::size_t>(index);
-    const std::size_t first = chunk * kCandidatesAChunk;
-    best[chunk] = best_of(first, std::min(first + kCandidatesAChunk, candidates_.size()), options);
+    const std::size_t first = chunk * kCandidatesPerChunk;
+    best[chunk] = best_of(first, std::min(first + kCandidatesPerChunk, candidates_.size()), options);
   });
   return *std::ranges::max_element(best, {}, &NodeSplit<Feature>::gain);
 }

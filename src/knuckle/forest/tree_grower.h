@@ -60,12 +60,12 @@ class TreeGrower {
   /// `samples` in the order to work in; `seed` is the tree's own. `log` has the splits of the first nodes,
   /// found by a run that was stopped, or none: they are not searched for again. Each split found is added to
   /// it, and `nodes_done` is called every few seconds of work, with the log. Advances `progress` by
-  /// kStepsALevel a level.
+  /// kStepsPerLevel a level.
   Tree grow(std::span<const std::uint32_t> samples, std::uint64_t seed, Progress& progress, Log& log,
             const std::function<void(const Log&)>& nodes_done);
 
   /// Steps of progress a level: a node advances it by its part of the samples.
-  static constexpr std::int64_t kStepsALevel = 1000;
+  static constexpr std::int64_t kStepsPerLevel = 1000;
 
  private:
   using Split = NodeSplit<Feature>;
@@ -74,9 +74,9 @@ class TreeGrower {
   /// Nodes with more scored samples than this share their candidates among the threads.
   static constexpr std::size_t kLargeNode = 1024;
   /// Small nodes are handed to a thread in groups of about this many samples.
-  static constexpr std::size_t kSamplesAGroup = 1024;
+  static constexpr std::size_t kSamplesPerGroup = 1024;
   /// Nodes are split in batches of about this many scored samples: what a stop loses at most.
-  static constexpr std::size_t kSamplesABatch = 1 << 18;
+  static constexpr std::size_t kSamplesPerBatch = 1 << 18;
   /// Numbers of the streams a tree draws from: 0 for its bag, then one a node.
   static constexpr std::uint64_t kBagStream = 0;
 
@@ -118,13 +118,13 @@ auto TreeGrower<Features, Statistics>::grow(std::span<const std::uint32_t> sampl
   std::size_t first_node = 0;
   for (int depth = 0; depth < options_.max_depth; ++depth) {
     const std::size_t level_end = tree.nodes.size();
-    std::int64_t steps_left = kStepsALevel;
+    std::int64_t steps_left = kStepsPerLevel;
     while (log.size() < level_end) {
       const std::size_t first = log.size();
       split_batch(tree, batch_end(tree, first), seed, log);
       const double part = static_cast<double>(tree.nodes[log.size() - 1].end - tree.nodes[first].begin) /
                           static_cast<double>(tree.samples.size());
-      const auto steps = std::min(steps_left, static_cast<std::int64_t>(kStepsALevel * part));
+      const auto steps = std::min(steps_left, static_cast<std::int64_t>(kStepsPerLevel * part));
       progress.advance(steps);
       steps_left -= steps;
       nodes_done(log);
@@ -159,7 +159,7 @@ template <SplitFeatures Features, SplitStatistics Statistics>
 std::size_t TreeGrower<Features, Statistics>::batch_end(const Tree& tree, std::size_t first_node) const {
   std::size_t samples = 0;
   std::size_t node = first_node;
-  while (node < tree.nodes.size() && samples < kSamplesABatch) samples += scored_samples(tree, node++);
+  while (node < tree.nodes.size() && samples < kSamplesPerBatch) samples += scored_samples(tree, node++);
   return node;
 }
 
@@ -170,15 +170,15 @@ void TreeGrower<Features, Statistics>::split_batch(const Tree& tree, std::size_t
   const std::size_t first_node = log.size();
   std::vector<Split> splits(end_node - first_node);
   std::vector<std::pair<std::size_t, std::size_t>> groups;  // ranges of small nodes
-  std::size_t group_samples = kSamplesAGroup;
+  std::size_t group_samples = kSamplesPerGroup;
   for (std::size_t node = first_node; node < end_node; ++node) {
     const std::size_t samples = scored_samples(tree, node);
     if (samples > kLargeNode) {
       splits[node - first_node] = split_node(tree, node, seed, large_search_, parallel_for);
-      group_samples = kSamplesAGroup;  // a group holds neighbours only
+      group_samples = kSamplesPerGroup;  // a group holds neighbours only
       continue;
     }
-    if (group_samples >= kSamplesAGroup) {
+    if (group_samples >= kSamplesPerGroup) {
       groups.emplace_back(node, node);
       group_samples = 0;
     }

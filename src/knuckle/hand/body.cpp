@@ -90,7 +90,7 @@ void check_weights(const Body& body, std::string_view what) {
   const auto bone_count = static_cast<std::int64_t>(body.names.size());
   for (std::size_t i = 0; i < body.weights.size(); ++i) {
     double sum = 0.0;
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       const std::int32_t bone = body.weight_bones[i][k];
       const float weight = body.weights[i][k];
       if (bone < 0 || bone >= bone_count) {

@@ -38,19 +38,19 @@ struct BodySection {
 /// A skinned, morphable mesh, with arrays named after SMPL's and MANO's. Body axes: x to the body's left, y
 /// up, z to the front; lengths in mm. Read from and written to `.h5` by body_file.h.
 struct Body {
-  static constexpr int kBonesAVertex = 4;
+  static constexpr int kBonesPerVertex = 4;
 
   std::vector<Eigen::Vector3f> v_template;         ///< V rest positions [mm]
   std::vector<std::array<std::int32_t, 3>> faces;  ///< F triangles, counter-clockwise from outside
-  std::vector<std::array<std::int32_t, kBonesAVertex>> weight_bones;  ///< V x 4 bones that move a vertex
-  std::vector<std::array<float, kBonesAVertex>> weights;              ///< V x 4, sum to 1
-  std::vector<ShapeDirection> shapedirs;                              ///< K directions
-  std::vector<std::string> names;                                     ///< B bones, parents before children
-  std::vector<std::int32_t> parents;                                  ///< B, -1 for a root
-  std::vector<VertexGroup> joint_regressor;                           ///< B bone heads at rest
-  std::array<VertexGroup, kSupersetSize> landmark_regressor;          ///< the landmarks at rest
-  std::array<std::int32_t, kSupersetSize> landmark_bones{};           ///< the bone that carries each landmark
-  std::vector<std::uint8_t> is_hand;  ///< F: 1 where a face belongs to the hand
+  std::vector<std::array<std::int32_t, kBonesPerVertex>> weight_bones;  ///< V x 4 bones that move a vertex
+  std::vector<std::array<float, kBonesPerVertex>> weights;              ///< V x 4, sum to 1
+  std::vector<ShapeDirection> shapedirs;                                ///< K directions
+  std::vector<std::string> names;                                       ///< B bones, parents before children
+  std::vector<std::int32_t> parents;                                    ///< B, -1 for a root
+  std::vector<VertexGroup> joint_regressor;                             ///< B bone heads at rest
+  std::array<VertexGroup, kSupersetSize> landmark_regressor;            ///< the landmarks at rest
+  std::array<std::int32_t, kSupersetSize> landmark_bones{};  ///< the bone that carries each landmark
+  std::vector<std::uint8_t> is_hand;                         ///< F: 1 where a face belongs to the hand
   /// Growing sections, sorted from the hand outwards (hand; hand and arm; all), so that a frame skins and
   /// draws only what it needs. May be empty.
   std::vector<BodySection> sections;

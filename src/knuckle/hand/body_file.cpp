@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kFormat = "knuckle-body";
 constexpr int kVersion = 1;
 constexpr int kDeflateLevel = 4;
-constexpr std::uint64_t kRowsAChunk = 1 << 14;
+constexpr std::uint64_t kRowsPerChunk = 1 << 14;
 
 using Shape = std::vector<std::uint64_t>;
 
@@ -38,7 +38,7 @@ std::vector<float> flattened(const std::vector<Eigen::Vector3f>& points) {
 
 template <class T>
 void write_array(Hdf5File& file, const std::string& name, const Shape& shape, const std::vector<T>& values) {
-  file.write<T>(name, shape, values.data(), {kRowsAChunk, kDeflateLevel});
+  file.write<T>(name, shape, values.data(), {kRowsPerChunk, kDeflateLevel});
 }
 
 void write_groups(Hdf5File& file, const std::string& name, std::span<const VertexGroup> groups) {
@@ -77,7 +77,7 @@ std::vector<float> dense_weights(const Body& body) {
   const std::size_t bone_count = body.names.size();
   std::vector<float> dense(body.weights.size() * bone_count, 0.0f);
   for (std::size_t i = 0; i < body.weights.size(); ++i) {
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       dense[i * bone_count + body.weight_bones[i][k]] += body.weights[i][k];
     }
   }
@@ -222,15 +222,15 @@ void read_weights(const Reader& reader, Body& body) {
       if (!std::isfinite(weight)) reader.fault("weights of vertex {} are not finite", i);
       if (weight != 0.0f) weights.emplace_back(weight, static_cast<std::int32_t>(b));
     }
-    if (weights.size() > Body::kBonesAVertex) {
+    if (weights.size() > Body::kBonesPerVertex) {
       reader.fault("weights of vertex {} name {} bones, expected at most {}", i, weights.size(),
-                   Body::kBonesAVertex);
+                   Body::kBonesPerVertex);
     }
     std::ranges::stable_sort(weights, [](const auto& a, const auto& b) { return a.first > b.first; });
-    weights.resize(Body::kBonesAVertex, {0.0f, 0});
+    weights.resize(Body::kBonesPerVertex, {0.0f, 0});
     body.weights.emplace_back();
     body.weight_bones.emplace_back();
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       std::tie(body.weights.back()[k], body.weight_bones.back()[k]) = weights[k];
     }
   }

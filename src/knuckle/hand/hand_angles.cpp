@@ -49,8 +49,8 @@ void limit_finger(HandAngles& angles, const FingerAngleNames& finger) {
 }  // namespace
 
 FingerAngleNames angles_of_finger(int finger) {
-  constexpr int kAnglesAFinger = 4;
-  const int first = static_cast<int>(HandAngle::index_mcp) + kAnglesAFinger * finger;
+  constexpr int kAnglesPerFinger = 4;
+  const int first = static_cast<int>(HandAngle::index_mcp) + kAnglesPerFinger * finger;
   return {static_cast<HandAngle>(first), static_cast<HandAngle>(first + 1), static_cast<HandAngle>(first + 2),
           static_cast<HandAngle>(first + 3)};
 }

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr std::array<double, 4> kAxisLean = {0.10, 0.02, -0.06, -0.14};
 /// The thumb's metacarpal turns about itself while it leaves the plane of the palm, as its saddle joint makes
 /// it.
-constexpr double kThumbTwistAPalmar = 0.55;
+constexpr double kThumbTwistPerPalmar = 0.55;
 /// The ring metacarpal's part of the little metacarpal's flexion.
 constexpr double kRingArch = 0.5;
 
@@ -116,7 +116,7 @@ HandRig::Digit HandRig::thumb_of(const ShapedBody& person) const {
 
 /// Turns `forward` in the plane of the palm by `radial` towards the thumb's side, then out of it by `palmar`.
 Quaterniond HandRig::thumb_swing(double radial, double palmar) const {
-  const double turn = kThumbTwistAPalmar * palmar;
+  const double turn = kThumbTwistPerPalmar * palmar;
   return AngleAxisd(-radial, axes_.col(2)) * AngleAxisd(palmar, axes_.col(0)) *
          AngleAxisd(-turn, axes_.col(1));
 }

@@ -31,7 +31,7 @@ Eigen::Vector3f skinned_vertex(const Eigen::Vector3f& rest, const std::array<std
                                const std::array<float, 4>& weights,
                                const std::vector<Eigen::Matrix4f>& transforms) {
   Eigen::Matrix4f blended = weights[0] * transforms[bones[0]];
-  for (std::size_t k = 1; k < Body::kBonesAVertex; ++k) {
+  for (std::size_t k = 1; k < Body::kBonesPerVertex; ++k) {
     if (weights[k] != 0.0f) blended += weights[k] * transforms[bones[k]];
   }
   const Eigen::Vector4f moved =
@@ -66,7 +66,7 @@ Eigen::Vector3f rigidly_skinned_vertex(const Eigen::Vector3f& rest, const std::a
   const DualQuaternion& strongest = motions[bones[0]];
   Eigen::Vector4f real = weights[0] * strongest.real;
   Eigen::Vector4f dual = weights[0] * strongest.dual;
-  for (std::size_t k = 1; k < Body::kBonesAVertex; ++k) {
+  for (std::size_t k = 1; k < Body::kBonesPerVertex; ++k) {
     if (weights[k] == 0.0f) continue;
     const DualQuaternion& motion = motions[bones[k]];
     const float weight = motion.real.dot(strongest.real) < 0.0f ? -weights[k] : weights[k];
@@ -111,7 +111,7 @@ void repose_hand(std::vector<Eigen::Vector3f>& vertices, const ShapedBody& perso
     const auto& weights = body.weights[i];
     if (weights[0] == 1.0f) continue;
     float share = 0.0f;
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) share += weights[k] * is_hand[bones[k]];
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) share += weights[k] * is_hand[bones[k]];
     const float part = std::clamp(2.0f * share - 1.0f, 0.0f, 1.0f);
     if (part == 0.0f) continue;
     vertices[i] += part * (rigidly_skinned_vertex(person.vertices[i], bones, weights, motions) - vertices[i]);

@@ -66,7 +66,7 @@ TEST(SkinningTest, AgreesWithWalkingUpTheChain) {
   const PosedBody posed = posed_body(person, pose);
   for (std::size_t i = 0; i < person.vertices.size(); ++i) {
     Eigen::Vector3d expected = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       expected += body.weights[i][k] *
                   moved_by_chain(person, pose, body.weight_bones[i][k], person.vertices[i].cast<double>());
     }

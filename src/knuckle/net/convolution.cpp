@@ -11,9 +11,9 @@ namespace {
 
 // Six pixels by sixteen outputs are worked on together. Their sums fill twelve of AVX's sixteen registers, so
 // that two multiply-adds a cycle need not wait for one another, and each number read serves several of them.
-constexpr int kPixelsABlock = 6;
-constexpr int kVectorsABlock = 2;
-constexpr int kOutputsABlock = kVectorsABlock * kLanes;
+constexpr int kPixelsPerBlock = 6;
+constexpr int kVectorsPerBlock = 2;
+constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;
 
 /// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie behind one another.
 struct Window {
@@ -21,7 +21,7 @@ struct Window {
   std::ptrdiff_t pixel_stride;  // from one output's input to the next one's
   std::ptrdiff_t row_stride;
   int rows;
-  int numbers_a_row;
+  int numbers_per_row;
 };
 
 template <int kPixels, int kVectors>
@@ -31,7 +31,7 @@ template <int kPixels, int kVectors>
 inline void add_products(const Window& window, const float* weights, Sums<kPixels, kVectors>& sums) {
   const float* row = window.input;
   for (int y = 0; y < window.rows; ++y, row += window.row_stride) {
-    for (int i = 0; i < window.numbers_a_row; ++i, weights += kVectors * kLanes) {
+    for (int i = 0; i < window.numbers_per_row; ++i, weights += kVectors * kLanes) {
       Float8 weight[kVectors];
       for (int v = 0; v < kVectors; ++v) weight[v] = load8(weights + v * kLanes);
       for (int p = 0; p < kPixels; ++p) {
@@ -73,7 +73,7 @@ using ConvolvePixels = void (*)(const Window&, const float*, const float*, const
 
 /// By the number of pixels, from one on.
 template <int kVectors>
-constexpr ConvolvePixels<kVectors> kConvolvePixels[kPixelsABlock] = {
+constexpr ConvolvePixels<kVectors> kConvolvePixels[kPixelsPerBlock] = {
     convolve_pixels<1, kVectors>, convolve_pixels<2, kVectors>, convolve_pixels<3, kVectors>,
     convolve_pixels<4, kVectors>, convolve_pixels<5, kVectors>, convolve_pixels<6, kVectors>};
 
@@ -87,8 +87,8 @@ Convolution::Convolution(const Shape& shape, int input_stride, std::span<const f
   bias_.resize(static_cast<std::size_t>(outputs));
   weights_.resize(static_cast<std::size_t>(outputs) * window * input_stride);
   for (int output = 0; output < shape.outputs; ++output) {
-    const int first = output / kOutputsABlock * kOutputsABlock;
-    const int width = std::min(kOutputsABlock, outputs - first);
+    const int first = output / kOutputsPerBlock * kOutputsPerBlock;
+    const int width = std::min(kOutputsPerBlock, outputs - first);
     float* const block = weights_.data() + static_cast<std::size_t>(first) * window * input_stride;
     for (int input = 0; input < shape.inputs; ++input) {
       for (int k = 0; k < window; ++k) {
@@ -104,8 +104,8 @@ void Convolution::apply(const FeatureMap& input, FeatureMap& output, Activation 
                         const FeatureMap* added) const {
   const int outputs = whole_lanes(shape_.outputs);
   int first = 0;
-  for (; first + kOutputsABlock <= outputs; first += kOutputsABlock) {
-    apply_block<kVectorsABlock>(input, output, activation, added, first);
+  for (; first + kOutputsPerBlock <= outputs; first += kOutputsPerBlock) {
+    apply_block<kVectorsPerBlock>(input, output, activation, added, first);
   }
   if (first < outputs) apply_block<1>(input, output, activation, added, first);
 }
@@ -118,8 +118,8 @@ void Convolution::apply_block(const FeatureMap& input, FeatureMap& output, Activ
   const float* const bias = bias_.data() + first_output;
   const auto input_stride = static_cast<std::ptrdiff_t>(shape_.stride) * input_stride_;
   for (int row = 0; row < output.height(); ++row) {
-    for (int column = 0; column < output.width(); column += kPixelsABlock) {
-      const int pixels = std::min(kPixelsABlock, output.width() - column);
+    for (int column = 0; column < output.width(); column += kPixelsPerBlock) {
+      const int pixels = std::min(kPixelsPerBlock, output.width() - column);
       const float* const corner =
           input.pixel(row * shape_.stride - shape_.padding, column * shape_.stride - shape_.padding);
       const Window window{corner, input_stride, input.row_stride(), shape_.kernel,

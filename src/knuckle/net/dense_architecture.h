@@ -8,9 +8,9 @@
 
 namespace knuckle {
 
-inline constexpr int kDenseStages = 3;  ///< at a quarter, an eighth and a sixteenth of the patch
-inline constexpr int kDenseStride = 4;  ///< patch pixels a cell of the maps of votes
-inline constexpr int kMapsAJoint = 5;   ///< offset u, v, d; closeness; weight
+inline constexpr int kDenseStages = 3;   ///< at a quarter, an eighth and a sixteenth of the patch
+inline constexpr int kDenseStride = 4;   ///< patch pixels a cell of the maps of votes
+inline constexpr int kMapsPerJoint = 5;  ///< offset u, v, d; closeness; weight
 /// Spread of the votes at which the confidence falls to 1 / e: 19 mm in a cube of 250 mm.
 inline constexpr double kSpreadScale = 0.15;
 

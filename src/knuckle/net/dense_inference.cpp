@@ -33,7 +33,7 @@ Convolution folded_convolution(const NetworkWeights& weights, const std::string&
 
 Convolution head_convolution(const NetworkWeights& weights) {
   const Convolution::Shape shape{.inputs = weights.options().dense.head_channels,
-                                 .outputs = kMapsAJoint * weights.options().joint_count(),
+                                 .outputs = kMapsPerJoint * weights.options().joint_count(),
                                  .kernel = 1};
   return {shape, whole_lanes(shape.inputs), weights.floats("head.weight"), weights.floats("head.bias")};
 }
@@ -53,7 +53,7 @@ DenseInference::Maps::Maps(const NetworkOptions& options)
       smooth2(map_at(options, 8, options.dense.eighth_channels)),
       lateral1(map_at(options, 8, options.dense.quarter_channels)),
       smooth1(map_at(options, 4, options.dense.head_channels)),
-      votes(map_at(options, kDenseStride, kMapsAJoint * options.joint_count())) {
+      votes(map_at(options, kDenseStride, kMapsPerJoint * options.joint_count())) {
   stages = {map_at(options, 4, options.dense.quarter_channels),
             map_at(options, 8, options.dense.eighth_channels),
             map_at(options, 16, options.dense.sixteenth_channels)};

@@ -28,14 +28,14 @@ FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation act
       activation_(activation),
       scales_(norm.scales),
       shifts_(norm.shifts) {
-  const int blocks = (outputs + kOutputsABlock - 1) / kOutputsABlock;
+  const int blocks = (outputs + kOutputsPerBlock - 1) / kOutputsPerBlock;
   columns_.resize(static_cast<std::size_t>(blocks) * inputs);
-  scales_.resize(static_cast<std::size_t>(blocks) * kOutputsABlock);
+  scales_.resize(static_cast<std::size_t>(blocks) * kOutputsPerBlock);
   shifts_.resize(scales_.size());
   for (int block = 0; block < blocks; ++block) {
     Column* const columns = columns_.data() + static_cast<std::size_t>(block) * inputs;
-    const int first = block * kOutputsABlock;
-    const int count = std::min(kOutputsABlock, outputs - first);
+    const int first = block * kOutputsPerBlock;
+    const int count = std::min(kOutputsPerBlock, outputs - first);
     for (int i = 0; i < inputs; ++i) {
       for (int k = 0; k < count; ++k) {
         columns[i].weights[k] = weights[static_cast<std::size_t>(first + k) * inputs + i];
@@ -45,15 +45,15 @@ FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation act
 }
 
 std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) const {
-  constexpr int kVectors = kOutputsABlock / kLanes;
+  constexpr int kVectors = kOutputsPerBlock / kLanes;
   std::vector<float> output(shifts_.size());
   std::size_t next = 0;  // column; all are read one behind another
-  for (std::size_t first = 0; first < output.size(); first += kOutputsABlock) {
+  for (std::size_t first = 0; first < output.size(); first += kOutputsPerBlock) {
     Float8 sums[kVectors] = {};
     for (int i = 0; i < inputs_; ++i, ++next) {
       const Half* const ahead = columns_[std::min(next + kColumnsAhead, columns_.size() - 1)].weights.data();
       prefetch(ahead);
-      prefetch(ahead + kOutputsABlock / 2);
+      prefetch(ahead + kOutputsPerBlock / 2);
       const Half* const column = columns_[next].weights.data();
       const Float8 value = all8(input[static_cast<std::size_t>(i)]);
       for (int v = 0; v < kVectors; ++v) {

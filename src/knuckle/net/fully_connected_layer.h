@@ -30,10 +30,10 @@ class FullyConnectedLayer {
   std::vector<float> apply(std::span<const float> input) const;
 
  private:
-  static constexpr int kOutputsABlock = 64;
+  static constexpr int kOutputsPerBlock = 64;
   /// What one input adds to a block of outputs: two lines of the cache.
   struct alignas(64) Column {
-    std::array<Half, kOutputsABlock> weights;
+    std::array<Half, kOutputsPerBlock> weights;
   };
 
   int inputs_;

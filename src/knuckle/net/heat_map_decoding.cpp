@@ -20,7 +20,7 @@ NetworkPrediction decode_heat_maps(const NetworkOptions& options, std::span<cons
                                    std::span<const float> patch) {
   const HeatMapGrid grid{options.paper.map_cells, options.patch.size_px};
   const auto cells = static_cast<std::size_t>(grid.cells) * grid.cells;
-  const auto bins = static_cast<std::size_t>(depth_bins_a_joint(options));
+  const auto bins = static_cast<std::size_t>(depth_bins_per_joint(options));
   const auto joints = static_cast<std::size_t>(options.joint_count());
   NetworkPrediction prediction;
   for (std::size_t j = 0; j < joints; ++j) {

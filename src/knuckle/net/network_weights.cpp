@@ -32,7 +32,7 @@ std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {
         {unit.name + ".convolution.weight", {unit.outputs, unit.inputs, unit.kernel, unit.kernel}, half});
     add_norm(arrays, unit.name + ".norm", unit.outputs);
   }
-  const int maps = kMapsAJoint * options.joint_count();
+  const int maps = kMapsPerJoint * options.joint_count();
   arrays.push_back({"head.weight", {maps, options.dense.head_channels, 1, 1}, half});
   arrays.push_back({"head.bias", {maps}, half});
   return arrays;

@@ -14,7 +14,7 @@ int bank_feature_count(int patch_size, int second_maps) {
   return count;
 }
 
-int depth_bins_a_joint(const NetworkOptions& options) {
+int depth_bins_per_joint(const NetworkOptions& options) {
   return options.architecture == "heatmap25d" ? options.paper.depth_bins : 0;
 }
 
@@ -25,7 +25,7 @@ std::vector<ConnectedLayer> connected_layers(const NetworkOptions& options) {
   const int subspace = options.paper.subspace_units;
   if (options.architecture.starts_with("heatmap")) {
     const int cells = options.paper.map_cells * options.paper.map_cells;
-    return {wide, {options.joint_count() * (cells + depth_bins_a_joint(options)), linear}};
+    return {wide, {options.joint_count() * (cells + depth_bins_per_joint(options)), linear}};
   }
   if (options.architecture == "pca") return {wide, wide, {subspace, linear}, joints};
   if (options.architecture == "autoencoder") return {wide, wide, {subspace, relu}, wide, joints};

@@ -16,9 +16,9 @@ struct BankLayer {
 /// One for each size of the patch.
 inline constexpr int kBanks = 3;
 /// Convolutions, each with its pooling.
-inline constexpr int kLayersABank = 2;
+inline constexpr int kLayersPerBank = 2;
 /// Of each bank its two layers, from the patch to a quarter of it (Tompson et al. 2014).
-inline constexpr BankLayer kBankLayers[kBanks][kLayersABank] = {
+inline constexpr BankLayer kBankLayers[kBanks][kLayersPerBank] = {
     {{5, 4}, {6, 2}}, {{5, 2}, {5, 2}}, {{4, 1}, {4, 2}}};
 
 /// How many numbers the banks end in: 7776 for patches of 96 pixels and 32 maps, 9 x 9 x 32 from each bank.
@@ -35,7 +35,7 @@ struct ConnectedLayer {
 };
 
 /// Heat maps: numbers a joint in the output, cells and, in `heatmap25d`, bins of depth.
-int depth_bins_a_joint(const NetworkOptions& options);
+int depth_bins_per_joint(const NetworkOptions& options);
 
 /// The layers of one of the paper's five architectures.
 std::vector<ConnectedLayer> connected_layers(const NetworkOptions& options);

@@ -23,7 +23,7 @@ constexpr std::uint64_t kRowsAtOnce = 1024;
 void write_arrays(Hdf5File& file, const CubeSamples& samples) {
   const auto count = static_cast<std::uint64_t>(samples.size());
   const auto crop = static_cast<std::uint64_t>(samples.crop_px());
-  file.create_dataset<std::uint8_t>("codes", {count, crop, crop}, {.rows_a_chunk = 1, .deflate_level = 1});
+  file.create_dataset<std::uint8_t>("codes", {count, crop, crop}, {.rows_per_chunk = 1, .deflate_level = 1});
   parallel_for(samples.size(), [&](std::int64_t i) {
     file.write_chunk("codes", static_cast<std::uint64_t>(i), deflated(samples.sample(i).codes));
   });

@@ -22,7 +22,7 @@ PoseTrainingSet::PoseTrainingSet(std::int64_t count, const Convention& conventio
     : convention_(convention),
       statistics_(std::move(statistics)),
       samples_(count, statistics_.size_px * statistics_.size_px,
-               static_cast<int>(convention.landmarks.size()) * kTargetsALandmark) {}
+               static_cast<int>(convention.landmarks.size()) * kTargetsPerLandmark) {}
 
 PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& patch,
                                            std::span<const PatchPoint> joints) {
@@ -36,7 +36,7 @@ PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& 
   }
   if (std::ranges::any_of(joints, is_missing)) return Kept::joint_missing;
   std::vector<float> targets;
-  targets.reserve(joints.size() * kTargetsALandmark);
+  targets.reserve(joints.size() * kTargetsPerLandmark);
   for (const PatchPoint& joint : joints) {
     targets.push_back(static_cast<float>(joint.u));
     targets.push_back(static_cast<float>(joint.v));
@@ -48,7 +48,7 @@ PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& 
 
 void check_training_memory(std::int64_t count, const Convention& convention, int patch_size_px,
                            const PoseForestTrainingOptions& options) {
-  const int targets = static_cast<int>(convention.landmarks.size()) * kTargetsALandmark;
+  const int targets = static_cast<int>(convention.landmarks.size()) * kTargetsPerLandmark;
   check_training_memory(count, patch_size_px * patch_size_px, targets, options.forest);
 }
 

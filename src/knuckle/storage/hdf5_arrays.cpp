@@ -108,9 +108,9 @@ void Hdf5File::create_dataset(std::string_view dataset, const std::vector<std::u
   const Hdf5Lock lock;
   const Hdf5Id space = simple_space(shape);
   const Hdf5Id properties = creation_properties();
-  if (storage.rows_a_chunk > 0 && product(shape) > 0) {
+  if (storage.rows_per_chunk > 0 && product(shape) > 0) {
     std::vector<hsize_t> chunk = as_dimensions(shape);
-    chunk[0] = std::min<hsize_t>(storage.rows_a_chunk, shape[0]);
+    chunk[0] = std::min<hsize_t>(storage.rows_per_chunk, shape[0]);
     H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
     if (storage.deflate_level > 0) {
       H5Pset_shuffle(properties);

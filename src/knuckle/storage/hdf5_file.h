@@ -45,10 +45,10 @@ class Hdf5File {
   template <class T>
   void read_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count, T* values) const;
 
-  /// How an array is stored: in one piece, or in chunks of `rows_a_chunk` rows, compressed.
+  /// How an array is stored: in one piece, or in chunks of `rows_per_chunk` rows, compressed.
   struct Storage {
-    std::uint64_t rows_a_chunk = 0;  ///< 0: in one piece, not compressed
-    int deflate_level = 0;           ///< 0 (none) to 9, with shuffle
+    std::uint64_t rows_per_chunk = 0;  ///< 0: in one piece, not compressed
+    int deflate_level = 0;             ///< 0 (none) to 9, with shuffle
   };
   template <class T>
   void write(std::string_view dataset, const std::vector<std::uint64_t>& shape, const T* values,

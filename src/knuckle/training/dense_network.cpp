@@ -78,7 +78,7 @@ DenseNetwork::DenseNetwork(const NetworkOptions& options)
               unit("lateral1", {channels[2], channels[1], 1, 1})};
   smooth_ = {unit("smooth2", {channels[2], channels[2], 3, 1}),
              unit("smooth1", {channels[1], options_.head_channels, 3, 1})};
-  const torch::nn::Conv2dOptions head(options_.head_channels, kMapsAJoint * joint_count_, 1);
+  const torch::nn::Conv2dOptions head(options_.head_channels, kMapsPerJoint * joint_count_, 1);
   head_ = register_module("head", torch::nn::Conv2d(head));
   torch::nn::init::normal_(head_->weight, 0.0, 0.01);
   torch::nn::init::zeros_(head_->bias);
@@ -102,7 +102,7 @@ torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
 
 DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const torch::Tensor& patches) const {
   const int64_t count = output.size(0);
-  const torch::Tensor maps = output.contiguous().view({count, kMapsAJoint, joint_count_, -1});
+  const torch::Tensor maps = output.contiguous().view({count, kMapsPerJoint, joint_count_, -1});
   const torch::Tensor points = cell_points(patches).view({count, 1, 3, -1});
   Votes votes;
   votes.points = points;

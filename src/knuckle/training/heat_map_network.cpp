@@ -23,7 +23,7 @@ HeatMapNetwork::HeatMapNetwork(const NetworkOptions& options)
     : PaperNetwork(options),
       options_(options),
       joint_count_(options.joint_count()),
-      bins_(depth_bins_a_joint(options)),
+      bins_(depth_bins_per_joint(options)),
       grid_{options.paper.map_cells, options.patch.size_px} {}
 
 torch::Tensor HeatMapNetwork::targets(const torch::Tensor& joints) const {

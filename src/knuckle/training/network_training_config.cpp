@@ -10,7 +10,7 @@
 namespace knuckle {
 namespace {
 
-constexpr double kBytesAGigabyte = 1e9;
+constexpr double kBytesPerGigabyte = 1e9;
 
 std::int64_t frames_of(const std::string& source, int most) {
   const std::int64_t size = open_source(source)->size();
@@ -23,7 +23,7 @@ void check_memory(const NetworkTrainingConfig& config) {
       frames_of(config.source, samples.most) + frames_of(config.validation, samples.most_validation);
   const double gigabytes =
       static_cast<double>(CubeSamples::bytes(count, config.network.joint_count(), samples.crop_px)) /
-      kBytesAGigabyte;
+      kBytesPerGigabyte;
   if (gigabytes > samples.memory_gb) {
     fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`", count, gigabytes,
          samples.memory_gb);

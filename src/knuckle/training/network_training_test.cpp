@@ -312,7 +312,7 @@ TEST_F(NetworkTraining, NamesADeviceThatIsNotThereAndAFileThatCannotBeWritten) {
               AllOf(HasSubstr("/proc/knuckle"), Not(HasSubstr("\n"))));
 }
 
-TEST(MetricsCsv, HasALineAValidation) {
+TEST(MetricsCsv, HasOneLinePerValidation) {
   const std::vector<TrainingMetrics> metrics = {{.step = 2,
                                                  .samples = 8,
                                                  .learning_rate = 0.5,

@@ -187,9 +187,9 @@ class PooledConvolution final : public torch::autograd::Function<PooledConvoluti
 
 /// Where the way by pixels holds: `places` counts a pool's pixels in 8 bits.
 bool is_for_this_processor(const torch::Tensor& maps, const PooledConvolutionShape& shape) {
-  constexpr int kMostPixelsAPool = 256;
+  constexpr int kMostPixelsPerPool = 256;
   return maps.device().is_cpu() && maps.scalar_type() == torch::kFloat &&
-         shape.pool * shape.pool <= kMostPixelsAPool;
+         shape.pool * shape.pool <= kMostPixelsPerPool;
 }
 
 }  // namespace

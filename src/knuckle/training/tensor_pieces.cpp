@@ -11,19 +11,19 @@
 namespace knuckle {
 namespace {
 
-constexpr int64_t kNumbersAPiece = 32768;  // 128 KiB: five lists' pieces fit a cache of 1 MiB
+constexpr int64_t kNumbersPerPiece = 32768;  // 128 KiB: five lists' pieces fit a cache of 1 MiB
 
 }  // namespace
 
 TensorPieces::TensorPieces(const std::vector<torch::Tensor>& like) {
   for (std::size_t i = 0; i < like.size(); ++i) {
     const int64_t count = like[i].numel();
-    if (count <= kNumbersAPiece || !like[i].is_contiguous() || !like[i].device().is_cpu()) {
+    if (count <= kNumbersPerPiece || !like[i].is_contiguous() || !like[i].device().is_cpu()) {
       pieces_.push_back({i, 0, 0});
       continue;
     }
-    for (int64_t begin = 0; begin < count; begin += kNumbersAPiece) {
-      pieces_.push_back({i, begin, std::min(kNumbersAPiece, count - begin)});
+    for (int64_t begin = 0; begin < count; begin += kNumbersPerPiece) {
+      pieces_.push_back({i, begin, std::min(kNumbersPerPiece, count - begin)});
     }
   }
 }

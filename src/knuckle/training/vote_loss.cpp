@@ -99,7 +99,7 @@ class Sample {
   }
   /// Channel 0 to 2: the offset, 3: the closeness, 4: the weight.
   int64_t place(const Cell& cell, int64_t j, int64_t channel) const {
-    return (cell.place * kMapsAJoint + channel) * joint_count_ + j;
+    return (cell.place * kMapsPerJoint + channel) * joint_count_ + j;
   }
   float value(const Cell& cell, int64_t j, int64_t channel) const {
     return channels_[place(cell, j, channel)];

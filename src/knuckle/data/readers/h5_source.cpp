@@ -16,7 +16,7 @@
 namespace knuckle {
 namespace {
 
-constexpr std::uint64_t kIntrinsicsAFrame = 4;
+constexpr std::uint64_t kIntrinsicsPerFrame = 4;
 
 Hdf5File open_whole(const std::filesystem::path& path) {
   constexpr std::string_view kUnfinished = "{}: is unfinished; let the run that writes it end";
@@ -55,7 +55,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_infrared_) require_shape(kH5Infrared, images);
   if (has_mask_) require_shape(kH5Mask, images);
   if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
-  if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsAFrame});
+  if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsPerFrame});
   if (has_side_) require_shape(kH5Side, {count});
   size_ = static_cast<std::int64_t>(count);
 }
@@ -80,7 +80,7 @@ std::uint64_t H5Source::row_of(std::int64_t index) const {
 
 Camera H5Source::read_frame_camera(std::uint64_t row) const {
   if (!has_intrinsics_) return camera_;
-  std::array<double, kIntrinsicsAFrame> values{};
+  std::array<double, kIntrinsicsPerFrame> values{};
   file_.read_rows(kH5Intrinsics, row, 1, values.data());
   Camera camera = camera_;
   camera.fx = values[0];

@@ -25,7 +25,7 @@ namespace {
 
 /// Labels under these names were not looked at by a person; they come last, in this order.
 constexpr std::array<std::string_view, 2> kUnverified{"extrapolated", "init"};
-constexpr std::size_t kValuesAIcgFrame = 60;
+constexpr std::size_t kValuesPerIcgFrame = 60;
 constexpr float kMmPerMetre = 1000.0f;
 
 std::string_view folder_of(std::string_view path) {
@@ -139,7 +139,7 @@ std::optional<HandPose> IcgSource::read_truth(const std::string& stem) const {
   for (const std::string& annotator : annotators_) {
     const fs::path path = folder_ / fmt::format("{}_anno_{}.txt", stem, annotator);
     if (!fs::exists(path)) continue;
-    const std::vector<double> uvd = parse_annotation(read_text_file(path), kValuesAIcgFrame, path.string());
+    const std::vector<double> uvd = parse_annotation(read_text_file(path), kValuesPerIcgFrame, path.string());
     return known_or_nothing(with_pixel_origin(pose_from_uvd(convention_from_name("icg20"), uvd),
                                               PixelOrigin::corner, PixelOrigin::centre));
   }

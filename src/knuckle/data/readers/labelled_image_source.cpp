@@ -19,8 +19,8 @@ std::optional<Convention> LabelledImageSource::convention() const {
 }
 
 LabelledImages::Entry LabelledImageSource::entry(std::int64_t index) const {
-  constexpr std::size_t kNumbersALandmark = 3;
-  return images_.read(index, kNumbersALandmark * format_.convention.landmarks.size());
+  constexpr std::size_t kNumbersPerLandmark = 3;
+  return images_.read(index, kNumbersPerLandmark * format_.convention.landmarks.size());
 }
 
 std::optional<HandPose> LabelledImageSource::truth_of(const LabelledImages::Entry& entry) const {

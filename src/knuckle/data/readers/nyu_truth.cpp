@@ -19,7 +19,7 @@ constexpr const char* kArray = "joint_uvd";
 constexpr std::size_t kJointCount = 36;
 /// Where the 14 joints of the published evaluations lie among the 36, in the order of `nyu14`.
 constexpr std::array<std::size_t, 14> kEvaluatedJoints{0, 3, 6, 9, 12, 15, 18, 21, 24, 25, 27, 30, 31, 32};
-constexpr std::size_t kValuesANyuFrame = 3 * kEvaluatedJoints.size();
+constexpr std::size_t kValuesPerNyuFrame = 3 * kEvaluatedJoints.size();
 
 struct MatCloser {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -84,7 +84,7 @@ NyuTruth::NyuTruth(std::filesystem::path path, int view) : path_(std::move(path)
   const auto view_index = static_cast<std::size_t>(view - 1);
   if (view_index >= labels.views)
     fail("{}: has {} views, asked for view {}", path_.string(), labels.views, view);
-  uvd_.reserve(labels.frames * kValuesANyuFrame);
+  uvd_.reserve(labels.frames * kValuesPerNyuFrame);
   for (std::size_t frame = 0; frame < labels.frames; ++frame) {
     for (const std::size_t joint : kEvaluatedJoints) {
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -97,8 +97,8 @@ NyuTruth::NyuTruth(std::filesystem::path path, int view) : path_(std::move(path)
 HandPose NyuTruth::pose(std::int64_t frame) const {
   if (frame < 0 || frame >= frame_count_)
     fail("{}: labels {} frames, asked for frame {}", path_.string(), frame_count_, frame + 1);
-  const auto first = uvd_.begin() + frame * static_cast<std::int64_t>(kValuesANyuFrame);
-  const std::vector<double> uvd(first, first + kValuesANyuFrame);
+  const auto first = uvd_.begin() + frame * static_cast<std::int64_t>(kValuesPerNyuFrame);
+  const std::vector<double> uvd(first, first + kValuesPerNyuFrame);
   return pose_from_uvd(convention_from_name("nyu14"), uvd);
 }
 

@@ -97,10 +97,10 @@ void H5Writer::create_arrays(Hdf5File& file) const {
   const auto count = static_cast<std::uint64_t>(options_.count);
   const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(layout.camera.height),
                                           static_cast<std::uint64_t>(layout.camera.width)};
-  constexpr Hdf5File::Storage kAFrameAChunk{1, 1};
-  file.create_dataset<std::uint16_t>(kH5Depth, images, kAFrameAChunk);
-  if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kAFrameAChunk);
-  if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kAFrameAChunk);
+  constexpr Hdf5File::Storage kOneFramePerChunk{1, 1};
+  file.create_dataset<std::uint16_t>(kH5Depth, images, kOneFramePerChunk);
+  if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kOneFramePerChunk);
+  if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kOneFramePerChunk);
   file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
   file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
   file.create_dataset<std::int8_t>(kH5Side, {count}, {});

@@ -41,11 +41,11 @@ std::vector<std::pair<int, BoneSegment>> hand_bones(const Body& body, const Hand
 
 /// The strongest four of a vertex's weights, strongest first, scaled to sum to 1.
 void set_weights(Body& body, std::int32_t vertex, std::vector<std::pair<double, std::int32_t>> weights) {
-  weights.resize(std::max<std::size_t>(weights.size(), Body::kBonesAVertex), {0.0, 0});
+  weights.resize(std::max<std::size_t>(weights.size(), Body::kBonesPerVertex), {0.0, 0});
   std::ranges::stable_sort(weights, [](const auto& a, const auto& b) { return a.first > b.first; });
   double sum = 0.0;
-  for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) sum += std::max(0.0, weights[k].first);
-  for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+  for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) sum += std::max(0.0, weights[k].first);
+  for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
     const double weight = std::max(0.0, weights[k].first) / sum;
     body.weights[vertex][k] = static_cast<float>(weight);
     body.weight_bones[vertex][k] = weight > 0.0 ? weights[k].second : 0;
@@ -61,7 +61,7 @@ void spread_hand_weights(Body& body, const HandOfBody& hand, const std::vector<E
   };
   std::vector<double> share(body.v_template.size(), 0.0);
   for (std::size_t i = 0; i < share.size(); ++i) {
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       if (is_hand_bone(body.weight_bones[i][k])) share[i] += body.weights[i][k];
     }
   }
@@ -87,7 +87,7 @@ void spread_hand_weights(Body& body, const HandOfBody& hand, const std::vector<E
   for (std::size_t i = 0; i < members.size(); ++i) {
     const std::int32_t vertex = members[i];
     std::vector<std::pair<double, std::int32_t>> weights;
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       const std::int32_t bone = body.weight_bones[vertex][k];
       if (body.weights[vertex][k] > 0.0f && !is_hand_bone(bone))
         weights.push_back({body.weights[vertex][k], bone});

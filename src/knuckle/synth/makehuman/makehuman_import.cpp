@@ -260,10 +260,10 @@ class BodyBuilder {
     }
     if (weights.empty()) fail("MakeHuman's vertex {} has no weights", source);
     std::ranges::stable_sort(weights, std::greater<>(), &std::pair<float, std::int32_t>::first);
-    weights.resize(Body::kBonesAVertex, {0.0f, 0});
+    weights.resize(Body::kBonesPerVertex, {0.0f, 0});
     body_.weights.emplace_back();
     body_.weight_bones.emplace_back();
-    for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+    for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
       body_.weights.back()[k] = weights[k].first / sum;
       body_.weight_bones.back()[k] = weights[k].second;
     }

@@ -18,9 +18,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr float kMmAUnit = 100.0f;      // the mesh is in decimetres
-constexpr float kMmATargetStep = 0.1f;  // targets are in thousandths of a decimetre
-constexpr int kFaceStride = 10;         // flags, 4 vertices, material, 4 texture coordinates
+constexpr float kMmPerUnit = 100.0f;      // the mesh is in decimetres
+constexpr float kMmPerTargetStep = 0.1f;  // targets are in thousandths of a decimetre
+constexpr int kFaceStride = 10;           // flags, 4 vertices, material, 4 texture coordinates
 constexpr int kQuadWithTexture =
     1 | 2 | 8;  // three.js JSON 3.1: quad, material, texture coordinates a corner
 constexpr std::string_view kHeadSuffix = "____head";
@@ -64,7 +64,7 @@ void read_vertices(const json& document, MakeHumanMesh& mesh) {
   const auto numbers = document.at("vertices").get<std::vector<float>>();
   if (numbers.empty() || numbers.size() % 3 != 0) fail("'vertices' has {} numbers", numbers.size());
   for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    mesh.vertices_mm.emplace_back(kMmAUnit * Eigen::Vector3f(numbers[i], numbers[i + 1], numbers[i + 2]));
+    mesh.vertices_mm.emplace_back(kMmPerUnit * Eigen::Vector3f(numbers[i], numbers[i + 1], numbers[i + 2]));
   }
 }
 
@@ -176,7 +176,7 @@ std::vector<Eigen::Vector3f> MakeHumanTargets::offsets_mm(const std::string& nam
   if (!file) fail("{}: cannot be read", offsets_path_.string());
   std::vector<Eigen::Vector3f> offsets(vertex_count_);
   for (std::size_t i = 0; i < vertex_count_; ++i) {
-    offsets[i] = kMmATargetStep * Eigen::Vector3f(steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]);
+    offsets[i] = kMmPerTargetStep * Eigen::Vector3f(steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]);
   }
   return offsets;
 }

@@ -94,7 +94,7 @@ BoneMaps bone_maps(const ShapedBody& person, const HandProportions& proportions)
 /// Where a vertex goes: the mean of where its bones take it.
 Vector3d moved(const Body& body, std::size_t vertex, const Vector3d& point, const BoneMaps& maps) {
   Vector3d sum = Vector3d::Zero();
-  for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+  for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
     const auto& map = maps[body.weight_bones[vertex][k]];
     sum += body.weights[vertex][k] * (map ? *map * point : point);
   }

@@ -13,7 +13,7 @@ namespace knuckle {
 namespace {
 
 constexpr int kThumbAngles = 5;
-constexpr int kAnglesAFinger = 4;
+constexpr int kAnglesPerFinger = 4;
 /// Share of grasps in which the thing bends the thumb's end joint back.
 constexpr double kPressedThumb = 0.7;
 /// How far a DIP follows its PIP where the finger tip is pressed on a thing.
@@ -70,7 +70,7 @@ HandAngles between_gestures(const HandPoseOptions& options, Random& random) {
 /// The digit (0 thumb to 4 little, 5 the palm) that an angle belongs to.
 int digit_of(int angle) {
   if (angle < kThumbAngles) return 0;
-  return 1 + (angle - kThumbAngles) / kAnglesAFinger;
+  return 1 + (angle - kThumbAngles) / kAnglesPerFinger;
 }
 
 HandAngles with_digits(const std::array<HandAngles, 6>& digits) {

@@ -48,7 +48,7 @@ ViewCulling::ViewCulling(const ShapedBody& person)
   std::map<std::int32_t, Eigen::AlignedBox3f> boxes;
   for (std::int32_t f = limb_.faces; f < whole_.faces; ++f) {
     for (const std::int32_t vertex : body.faces[f]) {
-      for (std::size_t k = 0; k < Body::kBonesAVertex; ++k) {
+      for (std::size_t k = 0; k < Body::kBonesPerVertex; ++k) {
         if (body.weights[vertex][k] > 0.0f)
           boxes[body.weight_bones[vertex][k]].extend(person.vertices[vertex]);
       }

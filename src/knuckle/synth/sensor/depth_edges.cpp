@@ -8,7 +8,7 @@ namespace knuckle {
 namespace {
 
 /// Eight flags are looked at together: most pixels are inside a surface or see nothing.
-constexpr int kFlagsAWord = 8;
+constexpr int kFlagsPerWord = 8;
 
 bool any_of_eight(const std::uint8_t* flags) {
   std::uint64_t word = 0;
@@ -38,7 +38,7 @@ std::vector<std::int32_t> edge_pixels(const Image<float>& depth_mm, double jump_
   const int width = depth_mm.width();
   const int height = depth_mm.height();
   const auto jump = static_cast<float>(jump_mm);
-  std::vector<std::uint8_t> flags(width + kFlagsAWord);  // the last word reads over the row's end
+  std::vector<std::uint8_t> flags(width + kFlagsPerWord);  // the last word reads over the row's end
   std::vector<std::int32_t> pixels;
   for (int row = 0; row < height; ++row) {
     const float* depths = depth_mm.row(row).data();
@@ -46,9 +46,9 @@ std::vector<std::int32_t> edge_pixels(const Image<float>& depth_mm, double jump_
     add_jumps_along(depths, width, jump, flags.data());
     if (row > 0) add_jumps_between(depths, depth_mm.row(row - 1).data(), width, jump, flags.data());
     if (row + 1 < height) add_jumps_between(depths, depth_mm.row(row + 1).data(), width, jump, flags.data());
-    for (int first = 0; first < width; first += kFlagsAWord) {
+    for (int first = 0; first < width; first += kFlagsPerWord) {
       if (!any_of_eight(flags.data() + first)) continue;
-      for (int i = first; i < first + kFlagsAWord; ++i) {
+      for (int i = first; i < first + kFlagsPerWord; ++i) {
         if (flags[i] != 0) pixels.push_back(row * width + i);
       }
     }

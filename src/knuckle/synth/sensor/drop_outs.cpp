@@ -21,11 +21,11 @@ void drop_grazing(Image<float>& depth_mm, const Image<float>& cosines, double gr
 
 void drop_holes(Image<float>& depth_mm, double share, std::uint64_t seed) {
   const auto below = static_cast<std::uint32_t>(std::nearbyint(share * 65536.0));
-  for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsABlock) {
+  for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsPerBlock) {
     float* depths = depth_mm.data() + first;
-    const std::size_t count = std::min(kPixelsABlock, depth_mm.size() - first);
+    const std::size_t count = std::min(kPixelsPerBlock, depth_mm.size() - first);
     if (std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; })) continue;
-    const auto bits = block_bits(seed, PixelUse::hole, static_cast<std::uint32_t>(first / kPixelsABlock));
+    const auto bits = block_bits(seed, PixelUse::hole, static_cast<std::uint32_t>(first / kPixelsPerBlock));
     for (std::size_t i = 0; i < count; ++i) depths[i] = bits[i] < below ? 0.0f : depths[i];
   }
 }

@@ -29,12 +29,12 @@ Image<float> amplitudes_of(const Image<float>& depth_mm, const Image<float>& cos
 }
 
 void add_noise(Image<float>& amplitudes, const Image<float>& depth_mm, float sigma, std::uint64_t seed) {
-  for (std::size_t first = 0; first < amplitudes.size(); first += kPixelsABlock) {
+  for (std::size_t first = 0; first < amplitudes.size(); first += kPixelsPerBlock) {
     const float* depths = depth_mm.data() + first;
-    const std::size_t count = std::min(kPixelsABlock, amplitudes.size() - first);
+    const std::size_t count = std::min(kPixelsPerBlock, amplitudes.size() - first);
     if (std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; })) continue;
     const auto normals =
-        block_normals(seed, PixelUse::infrared, static_cast<std::uint32_t>(first / kPixelsABlock));
+        block_normals(seed, PixelUse::infrared, static_cast<std::uint32_t>(first / kPixelsPerBlock));
     for (std::size_t i = 0; i < count; ++i) {
       amplitudes.data()[first + i] += depths[i] == 0.0f ? 0.0f : sigma * normals[i];
     }

@@ -50,9 +50,9 @@ std::array<std::uint32_t, 2> key_of(std::uint64_t seed) {
 
 }  // namespace
 
-std::array<std::uint16_t, kPixelsABlock> block_bits(std::uint64_t seed, PixelUse use, std::uint32_t block) {
+std::array<std::uint16_t, kPixelsPerBlock> block_bits(std::uint64_t seed, PixelUse use, std::uint32_t block) {
   const auto words = philox({block, kBlocks, static_cast<std::uint32_t>(use), 0}, key_of(seed));
-  std::array<std::uint16_t, kPixelsABlock> bits;
+  std::array<std::uint16_t, kPixelsPerBlock> bits;
   for (std::size_t i = 0; i < words.size(); ++i) {
     bits[2 * i] = static_cast<std::uint16_t>(words[i]);
     bits[2 * i + 1] = static_cast<std::uint16_t>(words[i] >> 16);
@@ -60,10 +60,10 @@ std::array<std::uint16_t, kPixelsABlock> block_bits(std::uint64_t seed, PixelUse
   return bits;
 }
 
-std::array<float, kPixelsABlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block) {
+std::array<float, kPixelsPerBlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block) {
   const std::vector<float>& table = normal_table();
   const auto bits = block_bits(seed, use, block);
-  std::array<float, kPixelsABlock> normals;
+  std::array<float, kPixelsPerBlock> normals;
   for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = table[bits[i]];
   return normals;
 }

@@ -11,14 +11,14 @@ namespace knuckle {
 enum class PixelUse : std::uint32_t { range_noise, grain, flying, lateral, hole, infrared };
 
 /// Pixels that share one block of random words.
-inline constexpr std::size_t kPixelsABlock = 8;
+inline constexpr std::size_t kPixelsPerBlock = 8;
 
 /// 16 random bits for each of eight neighbouring pixels (8 block, ..., 8 block + 7, counted along the rows):
 /// a function of the frame's seed, the use and the place alone.
-std::array<std::uint16_t, kPixelsABlock> block_bits(std::uint64_t seed, PixelUse use, std::uint32_t block);
+std::array<std::uint16_t, kPixelsPerBlock> block_bits(std::uint64_t seed, PixelUse use, std::uint32_t block);
 
 /// The same as standard normal numbers.
-std::array<float, kPixelsABlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block);
+std::array<float, kPixelsPerBlock> block_normals(std::uint64_t seed, PixelUse use, std::uint32_t block);
 
 /// 128 random bits for one pixel, where a few pixels of an image need some.
 std::array<std::uint32_t, 4> pixel_words(std::uint64_t seed, PixelUse use, std::uint32_t pixel);

@@ -72,11 +72,11 @@ bool all_unseen(const float* depths, std::size_t count) {
 }
 
 void add_noise_of_pixels(Image<float>& depth_mm, const SigmaOf& sigma_of, std::uint64_t seed) {
-  for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsABlock) {
+  for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsPerBlock) {
     float* depths = depth_mm.data() + first;
-    const std::size_t count = std::min(kPixelsABlock, depth_mm.size() - first);
+    const std::size_t count = std::min(kPixelsPerBlock, depth_mm.size() - first);
     if (all_unseen(depths, count)) continue;
-    const auto block = static_cast<std::uint32_t>(first / kPixelsABlock);
+    const auto block = static_cast<std::uint32_t>(first / kPixelsPerBlock);
     const auto normals = block_normals(seed, PixelUse::range_noise, block);
     for (std::size_t i = 0; i < count; ++i) {
       depths[i] += depths[i] == 0.0f ? 0.0f : sigma_of(first + i, depths[i]) * normals[i];
@@ -125,7 +125,7 @@ class GrainRows {
   }
 
  private:
-  static constexpr int kBlock = static_cast<int>(kPixelsABlock);
+  static constexpr int kBlock = static_cast<int>(kPixelsPerBlock);
 
   void set_lattice_row(int row) {
     if (row == lattice_row_) return;
