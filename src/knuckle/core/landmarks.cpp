@@ -5,6 +5,7 @@
 #include <array>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
@@ -158,7 +159,7 @@ const Convention& convention_from_name(std::string_view name) {
   if (found != kConventions.end()) return *found;
   std::vector<std::string> known;
   for (const Convention& convention : kConventions) known.emplace_back(convention.name);
-  fail("unknown convention '{}'; known are {}", name, joined(known));
+  fail("unknown convention '{}'{}; known are {}", name, suggestion(name, known), joined(known));
 }
 
 const Convention& superset_convention() {

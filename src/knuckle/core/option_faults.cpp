@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
@@ -28,7 +29,7 @@ OptionFault range_fault(double value, const Interval& range) {
 
 OptionFault choice_fault(std::string_view value, std::span<const std::string_view> known) {
   if (is_known(value, known)) return std::nullopt;
-  return fmt::format("is \"{}\", expected one of {}", value, quoted_list(known));
+  return fmt::format("is \"{}\"{}, expected one of {}", value, suggestion(value, known), quoted_list(known));
 }
 
 OptionFault list_fault(const std::vector<double>& values, const Interval& range, std::size_t shortest,

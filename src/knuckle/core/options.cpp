@@ -7,6 +7,7 @@
 #include <toml++/toml.h>
 
 #include "knuckle/core/option_reader.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
 
@@ -50,13 +51,24 @@ struct OptionTable::State {
     fail("{}:{}: {}: {}", origin, line, key_path(key), message);
   }
 
-  std::string known_keys() const { return joined(std::vector<std::string>(known.begin(), known.end())); }
+  [[noreturn]] void fail_at_unknown(std::string_view key) const {
+    const std::vector<std::string> names(known.begin(), known.end());
+    fail_at(key, fmt::format("unknown key{}; known are {}", suggestion(key, names), joined(names)));
+  }
+
+  /// For a key that is missing: throws where the table has one instead that looks like a slip for it.
+  void require_not_mistyped(const std::string& key) const {
+    if (table == nullptr) return;
+    for (const auto& [found, node] : *table) {
+      if (!known.contains(found.str()) && !suggestion(found.str(), std::span(&key, 1)).empty())
+        fail_at_unknown(found.str());
+    }
+  }
 
   void finish() const {
     if (table != nullptr) {
       for (const auto& [key, node] : *table) {
-        if (!known.contains(key.str()))
-          fail_at(key.str(), fmt::format("unknown key; known are {}", known_keys()));
+        if (!known.contains(key.str())) fail_at_unknown(key.str());
       }
     }
     for (const auto& [key, states] : children) {
@@ -120,7 +132,10 @@ bool OptionTable::has(std::string_view key) const {
 }
 
 std::string OptionTable::required_text(std::string_view key) const {
-  if (state_->find(key) == nullptr) fail_at(key, "is missing, expected a text");
+  if (state_->find(key) == nullptr) {
+    state_->require_not_mistyped(std::string(key));
+    fail_at(key, "is missing, expected a text");
+  }
   return text_or(key, "");
 }
 

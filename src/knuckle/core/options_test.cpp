@@ -61,7 +61,19 @@ TEST(OptionsTest, KeysThatAreThereReplaceDefaults) {
 TEST(OptionsTest, AnUnknownKeyIsNamedWithItsLineAndTheKnownOnes) {
   const std::string message = fault("count = 2\nbandwith_mm = 3.0\n");
   EXPECT_THAT(message, StartsWith("example.toml:2: bandwith_mm: unknown key"));
-  EXPECT_THAT(message, HasSubstr("bandwidth_mm"));
+  EXPECT_THAT(message, HasSubstr("did you mean 'bandwidth_mm'?"));
+  EXPECT_THAT(message, HasSubstr("sides, title"));
+}
+
+TEST(OptionsTest, AMistypedKeyIsNamedBeforeTheOneThatIsMissing) {
+  const OptionTable table = OptionTable::parse("x = 1\n\nmodle = 'm'", "f");
+  EXPECT_THAT(error_of([&] { table.required_text("model"); }),
+              StartsWith("f:3: modle: unknown key (did you mean 'model'?)"));
+  EXPECT_THAT(error_of([&] { table.required_text("method"); }), StartsWith("f:1: method: is missing"));
+}
+
+TEST(OptionsTest, AMistypedChoiceGetsASuggestion) {
+  EXPECT_THAT(fault("side = 'rihgt'"), HasSubstr("is \"rihgt\" (did you mean 'right'?), expected one of"));
 }
 
 TEST(OptionsTest, AWrongTypeIsNamedWithItsLine) {
@@ -115,7 +127,7 @@ TEST(OptionsTest, ATableThatNobodyReadIsUnknown) {
   const OptionTable root = OptionTable::parse("[segmentatoin]\nx = 1", "f");
   root.table("segmentation");
   EXPECT_THAT(error_of([&] { root.finish(); }),
-              HasSubstr("segmentatoin: unknown key; known are segmentation"));
+              HasSubstr("segmentatoin: unknown key (did you mean 'segmentation'?); known are segmentation"));
 }
 
 TEST(OptionsTest, WhatIsLeftToOthersIsNotUnknown) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
@@ -52,8 +53,7 @@ class SettingsReader final : public OptionVisitor {
   void choice(std::string_view name, std::string& value, std::span<const std::string_view> known) override {
     const std::string* text = find(name);
     if (!text) return;
-    if (std::ranges::find(known, *text) == known.end())
-      fail("{}: '{}' is unknown; known are {}", at(name), *text, joined({known.begin(), known.end()}));
+    if (std::ranges::find(known, *text) == known.end()) fail_unknown(name, *text, known);
     value = *text;
   }
   void reals(std::string_view name, std::vector<double>& value, const Interval& range, std::size_t shortest,
@@ -72,8 +72,7 @@ class SettingsReader final : public OptionVisitor {
     if (!text) return;
     value.clear();
     for (const std::string_view part : split(*text, ',')) {
-      if (!known.empty() && std::ranges::find(known, part) == known.end())
-        fail("{}: '{}' is unknown; known are {}", at(name), part, joined({known.begin(), known.end()}));
+      if (!known.empty() && std::ranges::find(known, part) == known.end()) fail_unknown(name, part, known);
       value.emplace_back(part);
     }
   }
@@ -85,6 +84,11 @@ class SettingsReader final : public OptionVisitor {
     for (const auto& [key, value] : settings_)
       if (key == name) return &value;
     return nullptr;
+  }
+  [[noreturn]] void fail_unknown(std::string_view name, std::string_view value,
+                                 std::span<const std::string_view> known) const {
+    fail("{}: '{}' is unknown{}; known are {}", at(name), value, suggestion(value, known),
+         joined({known.begin(), known.end()}));
   }
   std::string at(std::string_view name) const { return fmt::format("{}: {}", where_, name); }
   double in_range(std::string_view name, double number, const Interval& range) const {
@@ -139,7 +143,8 @@ void detail::read_settings(const SourceSpec& spec, const std::function<void(Opti
     if (reader.knows(setting.first)) continue;
     std::vector<std::string> known{"first", "count", "step"};
     known.insert(known.end(), reader.known().begin(), reader.known().end());
-    fail("source '{}': unknown key '{}'; known are {}", spec.text, setting.first, joined(known));
+    fail("source '{}': unknown key '{}'{}; known are {}", spec.text, setting.first,
+         suggestion(setting.first, known), joined(known));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "knuckle/core/statistics.h"
 #include "knuckle/patch/cube_patch.h"
 
 namespace knuckle {
@@ -133,9 +134,7 @@ float surface_depth(std::span<const float> patch, int size, double u, double v) 
     });
   }
   if (depths.empty()) return 0.0f;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::ranges::nth_element(depths, middle);
-  return *middle;
+  return upper_median(std::span(depths));
 }
 
 }  // namespace knuckle

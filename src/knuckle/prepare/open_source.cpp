@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/synth/synthetic_source.h"
@@ -24,7 +25,8 @@ std::unique_ptr<FrameSource> open_source(std::string_view text) {
   const SourceSpec spec = parse_source_spec(text);
   if (spec.kind == kSynthetic) return open_synthetic_frames(spec);
   if (!names_a_source(text)) {
-    fail("{}: unknown kind of source '{}'; known are {}", text, spec.kind, joined(source_kinds()));
+    fail("{}: unknown kind of source '{}'{}; known are {}", text, spec.kind,
+         suggestion(spec.kind, source_kinds()), joined(source_kinds()));
   }
   return open_dataset(spec);
 }

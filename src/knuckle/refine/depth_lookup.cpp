@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "knuckle/core/statistics.h"
+
 namespace knuckle {
 namespace {
 
@@ -31,13 +33,6 @@ std::optional<double> depth_at(const Frame& frame, const HandRegion& hand, const
   return depth_mm(column, row);
 }
 
-/// `values` is not empty.
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t count = values.size();
-  return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
-}
-
 }  // namespace
 
 void DepthLookupOptions::visit(OptionVisitor& visitor) {
@@ -56,10 +51,10 @@ HandPose DepthLookup::refine(const Frame& frame, const HandRegion& hand, HandPos
     if (depths.back()) found.push_back(*depths.back());
   }
   if (found.empty()) return pose;
-  const double median = median_of(found);
+  const double usual_mm = median(found);
   for (std::size_t i = 0; i < pose.joints.size(); ++i) {
     if (has_place(pose.joints[i]))
-      pose.joints[i].depth_mm = depths[i].value_or(median) + options_.surface_offset_mm;
+      pose.joints[i].depth_mm = depths[i].value_or(usual_mm) + options_.surface_offset_mm;
   }
   return pose;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/readers/folder_source.h"
 #include "knuckle/data/readers/h5_source.h"
@@ -53,7 +54,8 @@ std::unique_ptr<FrameSource> open_dataset(const SourceSpec& spec) {
       return select_frames(kind.open(spec), spec.selection, fmt::format("source '{}'", spec.text));
     known.emplace_back(kind.name);
   }
-  fail("source '{}': unknown kind '{}'; known are {}", spec.text, spec.kind, joined(known));
+  fail("source '{}': unknown kind '{}'{}; known are {}", spec.text, spec.kind, suggestion(spec.kind, known),
+       joined(known));
 }
 
 std::unique_ptr<FrameSource> open_dataset(std::string_view text) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/writers/folder_writer.h"
 #include "knuckle/data/writers/h5_writer.h"
@@ -28,7 +29,8 @@ std::unique_ptr<FrameWriter> create_frame_writer(std::string_view format, const 
   if (format == "folder") return std::make_unique<FolderWriter>(path, options);
   if (format == "h5") return std::make_unique<H5Writer>(path, options);
   if (format == "icg") return std::make_unique<IcgWriter>(path, options);
-  fail("unknown format '{}'; known are {}", format, joined({kFormats.begin(), kFormats.end()}));
+  fail("unknown format '{}'{}; known are {}", format, suggestion(format, kFormats),
+       joined({kFormats.begin(), kFormats.end()}));
 }
 
 }  // namespace knuckle

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "knuckle/core/statistics.h"
+
 namespace knuckle {
 namespace {
 
@@ -23,11 +25,6 @@ std::vector<double> finite(std::span<const double> values) {
   kept.reserve(values.size());
   std::ranges::copy_if(values, std::back_inserter(kept), [](double value) { return std::isfinite(value); });
   return kept;
-}
-
-double mean_of_all(std::span<const double> values) {
-  if (values.empty()) return kNaN;
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// 0, 1, ..., end.
@@ -60,7 +57,7 @@ FrameErrors frame_errors(const JointErrors& errors) {
   FrameErrors result;
   for (std::int64_t frame = 0; frame < errors.frames; ++frame) {
     const std::vector<double> known = without_nan(errors.frame_3d_mm(frame));
-    result.mean.push_back(mean_of_all(known));
+    result.mean.push_back(mean(known));
     result.largest.push_back(known.empty() ? kNaN : *std::ranges::max_element(known));
   }
   return result;
@@ -83,24 +80,11 @@ JointScore score_joint(const JointErrors& errors, std::size_t joint) {
   const std::vector<double> in_3d = finite(column(errors.distance_3d_mm, errors.joints.size(), joint));
   const std::vector<double> in_2d = finite(column(errors.distance_2d_px, errors.joints.size(), joint));
   return {errors.joints[joint], static_cast<std::int64_t>(in_3d.size()),
-          mean_of(in_3d),       median_of(in_3d),
-          mean_of(in_2d),       median_of(in_2d)};
+          mean(in_3d),          median(in_3d),
+          mean(in_2d),          median(in_2d)};
 }
 
 }  // namespace
-
-double mean_of(std::span<const double> values) {
-  return mean_of_all(finite(values));
-}
-
-double median_of(std::span<const double> values) {
-  std::vector<double> sorted = finite(values);
-  if (sorted.empty()) return kNaN;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  if (sorted.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(sorted.begin(), middle)) / 2.0;
-}
 
 MethodScore score(const JointErrors& errors, const std::string& name) {
   const FrameErrors frames = frame_errors(errors);
@@ -115,10 +99,10 @@ MethodScore score(const JointErrors& errors, const std::string& name) {
   result.only_in_truth = errors.only_in_truth;
   result.only_in_predictions = errors.only_in_predictions;
   for (std::size_t j = 0; j < errors.joints.size(); ++j) result.joints.push_back(score_joint(errors, j));
-  result.mean_3d_mm = mean_of(known);
-  result.median_3d_mm = median_of(known);
-  result.mean_2d_px = mean_of(errors.distance_2d_px);
-  result.median_2d_px = median_of(errors.distance_2d_px);
+  result.mean_3d_mm = mean(finite(known));
+  result.median_3d_mm = median(finite(known));
+  result.mean_2d_px = mean(finite(errors.distance_2d_px));
+  result.median_2d_px = median(finite(errors.distance_2d_px));
   result.auc_pck_0_50 = normalised_pck_area(known);
 
   ErrorCurves& curves = result.curves;

@@ -65,10 +65,4 @@ struct MethodScore {
 /// All measures of one method.
 MethodScore score(const JointErrors& errors, const std::string& name);
 
-/// The mean of the finite values; NaN where there is none.
-double mean_of(std::span<const double> values);
-/// The median of the finite values, the mean of the middle two where their number is even; NaN where there is
-/// none.
-double median_of(std::span<const double> values);
-
 }  // namespace knuckle

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "knuckle/core/error.h"
-#include "knuckle/eval/metrics/metrics.h"
+#include "knuckle/core/statistics.h"
 
 namespace knuckle {
 namespace {
@@ -64,8 +64,8 @@ SegmentationScore score_overlaps(const std::string& name, std::span<const double
   result.name = name;
   result.frames = static_cast<std::int64_t>(overlaps.size());
   result.missing = missing;
-  result.mean_iou = mean_of(overlaps);
-  result.median_iou = median_of(overlaps);
+  result.mean_iou = mean(overlaps);
+  result.median_iou = median({overlaps.begin(), overlaps.end()});
   for (int step = 0; step <= kCurveSteps; ++step) {
     const double threshold = static_cast<double>(step) / kCurveSteps;
     const auto above = std::ranges::count_if(overlaps, [&](double overlap) { return overlap > threshold; });

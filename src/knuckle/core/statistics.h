@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace knuckle {
+
+/// The mean of the values, all of which are numbers; NaN where there are none.
+double mean(std::span<const double> values);
+
+/// The median of the values, all of which are numbers: the mean of the middle two where their number is even;
+/// NaN where there are none.
+double median(std::vector<double> values);
+
+/// The value in the middle of the sorted values, the upper of the middle two where their number is even: one
+/// of the values, whatever their type. `values` are not empty, and are brought into another order.
+template <class T>
+T upper_median(std::span<T> values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+}  // namespace knuckle
