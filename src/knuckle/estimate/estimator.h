@@ -30,6 +30,9 @@ class Estimator {
   /// How often a hand is looked at, at least 1: each time but the first around the mean of the joints that
   /// were found (patches of the mode "cube" only).
   virtual int passes() const { return 1; }
+  /// The mean confidence of its joints from which on a pose may be taken for that of a hand, [0, 1]; 0 where
+  /// the confidences do not tell hands from other things.
+  virtual double sure_confidence() const { return 0.0; }
   /// `patch` has the size and statistics above. Safe to call from many threads.
   virtual PatchPose estimate(const HandPatch& patch) const = 0;
 };

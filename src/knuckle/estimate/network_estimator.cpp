@@ -13,6 +13,10 @@ NetworkEstimator::NetworkEstimator(PoseNetwork network, const NetworkEstimatorOp
   statistics_.size_px = network_.options().patch.size_px;
 }
 
+double NetworkEstimator::sure_confidence() const {
+  return network_.options().architecture == "dense" ? 0.45 : 0.0;
+}
+
 PatchPose NetworkEstimator::estimate(const HandPatch& patch) const {
   NetworkPrediction prediction = network_.predict(patch.pixels);
   return {std::move(prediction.joints), std::move(prediction.confidence)};

@@ -27,6 +27,8 @@ class NetworkEstimator final : public Estimator {
   const PatchStatistics& patch_statistics() const override { return statistics_; }
   PatchOptions patch_options() const override { return network_.options().patch; }
   int passes() const override { return options_.passes; }
+  /// Of `dense`: hands have 0.50 and more, other things 0.36 and less, nearly all (docs/results.md).
+  double sure_confidence() const override;
   /// Throws an Error where the patch has another size or a pixel is not finite.
   PatchPose estimate(const HandPatch& patch) const override;
 

@@ -45,7 +45,7 @@ HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& 
   if (!segmenter_) fail("a pipeline was to be made without a segmenter");
 }
 
-HandFinder::HandFinder(const OptionTable& document) {
+HandFinder::HandFinder(const OptionTable& document, const HandOptions& defaults) : hand_(defaults) {
   document.table("hand").read(hand_);
   segmenter_ = create_segmenter(document.table("segmentation"));
 }

@@ -17,7 +17,9 @@ struct HandOptions {
   int max_hands = 1;           ///< Hands of a frame at most, [1, 16]
   /// Places of a frame that are tried where a pose is not sure, [1, 16]; no more than `max_hands`: none.
   int candidates = 1;
-  double sure_confidence = 0.45;  ///< A pose whose joints have less on average is not sure, [0, 1]
+  /// A pose whose joints have less confidence on average is not sure, [0, 1]; a pipeline file that does not
+  /// say it has the estimator's (`Estimator::sure_confidence`).
+  double sure_confidence = 0.0;
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }
@@ -28,8 +30,9 @@ class HandFinder {
  public:
   /// A segmenter of your own. Throws an Error where it is missing (null) or an option is out of range.
   explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {});
-  /// Reads the two tables of a pipeline's document. The caller finishes the document.
-  explicit HandFinder(const OptionTable& document);
+  /// Reads the two tables of a pipeline's document; options of `[hand]` that it does not have are those of
+  /// `defaults`. The caller finishes the document.
+  explicit HandFinder(const OptionTable& document, const HandOptions& defaults = {});
   /// Reads a pipeline file for these two alone. Throws an Error that names file, line and key where they are
   /// wrong.
   static HandFinder load(const std::filesystem::path& path);

@@ -43,9 +43,9 @@ class NetworkPasses : public ::testing::Test {
   }
 
   FrameEstimate estimate(int passes) const {
-    write_text_file(
-        folder_ / "p.toml",
-        fmt::format("[estimator]\nmethod = \"dense\"\nmodel = \"small.pt\"\npasses = {}\n", passes));
+    write_text_file(folder_ / "p.toml", fmt::format("[hand]\nsure_confidence = 0.0\n[estimator]\nmethod = "
+                                                    "\"dense\"\nmodel = \"small.pt\"\npasses = {}\n",
+                                                    passes));
     return Pipeline::load(folder_ / "p.toml").estimate(slanted_plate());
   }
 

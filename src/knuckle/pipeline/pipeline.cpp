@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/stopwatch.h"
@@ -49,7 +50,9 @@ void check_patch_options(const OptionTable& document, const Estimator& estimator
 }
 
 PipelineParts parts_from(const OptionTable& document) {
-  PipelineParts parts{HandFinder(document), create_estimator(document.table("estimator"))};
+  auto estimator = create_estimator(document.table("estimator"));
+  const HandOptions defaults{.sure_confidence = estimator->sure_confidence()};
+  PipelineParts parts{HandFinder(document, defaults), std::move(estimator)};
   check_patch_options(document, *parts.estimator);
   for (const OptionTable& table : document.tables("refine")) parts.refiners.push_back(create_refiner(table));
   return parts;
@@ -77,6 +80,24 @@ double mean_confidence(const HandPose& pose) {
 
 /// Two regions whose centres are nearer than that are the same thing: no two palms can be.
 constexpr double kSamePlaceMm = 50.0;
+
+bool is_near_one_of(const std::vector<Point3>& places, const Point3& centre) {
+  return std::ranges::any_of(places,
+                             [&](const Point3& place) { return (place - centre).norm() < kSamePlaceMm; });
+}
+
+/// Sorts the hands, the surest first, leaves out those in the place of a surer one, and keeps `most`.
+void keep_surest(std::vector<HandEstimate>& hands, int most) {
+  std::ranges::stable_sort(hands, std::ranges::greater{}, &HandEstimate::score);
+  std::vector<HandEstimate> kept;
+  std::vector<Point3> places;
+  for (HandEstimate& hand : hands) {
+    if (std::ssize(kept) == most || is_near_one_of(places, hand.region.centre)) continue;
+    places.push_back(hand.region.centre);
+    kept.push_back(std::move(hand));
+  }
+  hands = std::move(kept);
+}
 
 }  // namespace
 
@@ -115,21 +136,30 @@ FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const
 }
 
 FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search) const {
-  const bool looks_elsewhere = search.elsewhere.value_or(!search.start);
-  const int max_hands = looks_elsewhere ? search.max_hands : 1;
+  check_max_hands(search.max_hands);
   FrameEstimate result;
-  Segmentation segmentation =
-      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, max_hands); });
-  add_hands(frame, std::move(segmentation.hands), result);
-  const auto is_sure = [&](const HandEstimate& hand) { return this->is_sure(hand); };
-  if (looks_elsewhere && !std::ranges::all_of(result.hands, is_sure)) {
-    try_candidates(frame, max_hands, result);
+  if (search.start) {
+    Segmentation found =
+        timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, 1); });
+    result.status = std::move(found.reason);
+    add_hands(frame, std::move(found.hands), result);
   }
-  std::ranges::stable_sort(result.hands, std::ranges::greater{}, &HandEstimate::score);
-  result.status = segmentation.reason;
-  if (result.hands.empty() && result.status.empty()) result.status = "the hand has no measured pixel";
-  if (search.start && std::ranges::none_of(result.hands, is_sure) && !result.hands.empty()) {
-    result.status = kUnsure;
+  const std::size_t at_start = result.hands.size();
+  if (search.elsewhere.value_or(!search.start)) look_elsewhere(frame, search.max_hands, result);
+  double surest = 0.0;
+  for (const HandEstimate& hand : result.hands) surest = std::max(surest, hand.score);
+  result.hands.erase(std::remove_if(result.hands.begin() + static_cast<std::ptrdiff_t>(at_start),
+                                    result.hands.end(), [&](const auto& hand) { return !is_sure(hand); }),
+                     result.hands.end());
+  keep_surest(result.hands, search.max_hands);
+  if (!result.hands.empty()) {
+    result.status = is_sure(result.hands.front()) ? "" : kUnsure;
+  } else if (surest > 0.0) {
+    result.status = fmt::format(
+        "nothing looks like a hand: the surest place has a score of {:.2f}, a hand at least {:.2f}", surest,
+        finder_.hand().sure_confidence);
+  } else if (result.status.empty()) {
+    result.status = "the hand has no measured pixel";
   }
   return result;
 }
@@ -140,43 +170,52 @@ bool Pipeline::is_sure(const HandEstimate& hand) const {
 
 void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const {
   for (HandRegion& region : regions) {
-    if (auto pose = pose_of(frame, region, result.times)) {
-      const double score = mean_confidence(*pose);
-      result.hands.push_back({std::move(region), std::move(*pose), score, HandSide::right});
-    }
+    if (auto hand = hand_in(frame, std::move(region), result.times)) result.hands.push_back(*std::move(hand));
   }
 }
 
-void Pipeline::try_candidates(const Frame& frame, int max_hands, FrameEstimate& result) const {
-  const int candidates = finder_.hand().candidates;
-  if (candidates <= max_hands) return;
-  Segmentation others =
-      timed(result.times.segment_ms, [&] { return finder_.find_right(frame, std::nullopt, candidates); });
-  std::erase_if(others.hands, [&](const HandRegion& other) {
-    return std::ranges::any_of(result.hands, [&](const HandEstimate& tried) {
-      return (tried.region.centre - other.centre).norm() < kSamePlaceMm;
-    });
-  });
-  const std::size_t wanted = result.hands.size();
-  add_hands(frame, std::move(others.hands), result);
-  std::ranges::stable_sort(result.hands, std::ranges::greater{}, &HandEstimate::score);
-  result.hands.resize(std::min(result.hands.size(), wanted));
+void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const {
+  std::vector<Point3> tried;
+  for (const HandEstimate& hand : result.hands) tried.push_back(hand.region.centre);
+  for (const int places : {max_hands, finder_.hand().candidates}) {
+    Segmentation found =
+        timed(result.times.segment_ms, [&] { return finder_.find_right(frame, std::nullopt, places); });
+    if (result.hands.empty()) result.status = std::move(found.reason);
+    const bool are_all = std::ssize(found.hands) < places;
+    std::erase_if(found.hands,
+                  [&](const HandRegion& region) { return is_near_one_of(tried, region.centre); });
+    for (const HandRegion& region : found.hands) tried.push_back(region.centre);
+    add_hands(frame, std::move(found.hands), result);
+    const auto sure = std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand); });
+    if (are_all || sure >= max_hands || places >= finder_.hand().candidates) break;
+  }
 }
 
-std::optional<HandPose> Pipeline::pose_of(const Frame& frame, const HandRegion& region,
-                                          StageTimes& times) const {
+std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
+                                              StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
   if (!patch) return std::nullopt;
   HandPose pose = pose_in_patch(*patch, times);
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
-    patch = timed(times.patch_ms, [&] { return extractor_->extract_around(frame, mean_joint(pose)); });
+    const ImagePoint centre = mean_joint(pose);
+    patch = timed(times.patch_ms, [&] { return extractor_->extract_around(frame, centre); });
     if (!patch) break;
     pose = pose_in_patch(*patch, times);
+    region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region.score); });
   }
-  return timed(times.refine_ms, [&] {
+  pose = timed(times.refine_ms, [&] {
     for (const auto& refiner : refiners_) pose = refiner->refine(frame, region, std::move(pose));
     return std::move(pose);
   });
+  const double score = mean_confidence(pose);
+  return HandEstimate{std::move(region), std::move(pose), score, HandSide::right};
+}
+
+HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const {
+  const Point3 place = Projection(frame.camera).to_camera(centre);
+  HandRegion region = region_in_cube(frame, place, estimator_->patch_options().cube_mm);
+  region.score = score;
+  return region;
 }
 
 HandPose Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {

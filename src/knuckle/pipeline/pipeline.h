@@ -27,7 +27,8 @@ struct StageTimes {
 
 /// One hand of a frame: where it is, and its pose in the frame's image coordinates.
 struct HandEstimate {
-  HandRegion region;
+  HandRegion
+      region;  ///< what was looked at last: the segmented hand, or what lies in the cube of a later look
   HandPose pose;
   /// What is known of the hand, [0, 1]: the mean confidence of its joints; 1 where the method gives none.
   double score = 1.0;
@@ -80,8 +81,8 @@ class Pipeline {
   const std::string& resolved_options() const { return resolved_options_; }
 
   /// Finds the hands of a frame and their poses, from no start and `HandOptions::max_hands` at most. Where a
-  /// pose is not sure (`HandOptions::candidates`), other places are tried, and the surest poses are kept: the
-  /// nearest thing may be an elbow. Safe to call from many threads.
+  /// pose is not sure, other places are tried (`HandOptions::candidates`): the nearest thing may be an elbow.
+  /// What is not sure is not found. Safe to call from many threads.
   FrameEstimate estimate(const Frame& frame) const;
   /// The same, searched as `search` says. A hand at a given start is returned whatever its score. Throws an
   /// Error where the start is not finite or the number of hands is out of range.
@@ -91,8 +92,9 @@ class Pipeline {
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
-  void try_candidates(const Frame& frame, int max_hands, FrameEstimate& result) const;
-  std::optional<HandPose> pose_of(const Frame& frame, const HandRegion& region, StageTimes& times) const;
+  void look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const;
+  std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
+  HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const;
   HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 
   std::string resolved_options_;

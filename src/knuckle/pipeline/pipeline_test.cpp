@@ -13,6 +13,7 @@ namespace knuckle {
 namespace {
 
 using ::knuckle::testing::error_of;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr int kWidth = 40;
@@ -133,7 +134,7 @@ class ColumnSegmenter final : public Segmenter {
       if (std::ssize(found.hands) == max_hands) break;
       const std::vector<std::int32_t> pixels{15 * frame.depth_mm.width() + column};
       HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
-      region.centre = start.value_or(Point3(100.0 * column, 0.0, 500.0));
+      region.centre = start.value_or(Point3(100.0 * (column - 4) - 250.0, 0.0, 500.0));
       found.hands.push_back(region);
     }
     return found;
@@ -190,6 +191,8 @@ INSTANTIATE_TEST_SUITE_P(, PipelineCandidates,
                                            Candidates{{6, 8}, 1, {6}, 1},     // sure: nothing else is tried
                                            Candidates{{4, 6, 8}, 2, {8, 6}, 3},  // two hands
                                            Candidates{{6, 8, 9}, 2, {8, 6}, 2},  // both sure: the surer first
+                                           Candidates{{4, 6}, 2, {6}, 2},        // one of two is none
+                                           Candidates{{4}, 1, {}, 1},            // nothing is sure
                                            Candidates{{}, 1, {}, 0}));           // nothing is there
 
 TEST_P(PipelineCandidates, AreTriedWhereAPoseIsNotSure) {
@@ -209,11 +212,106 @@ TEST(PipelineFromParts, TellsTheScoreOfAHand) {
   EXPECT_EQ(found.status, "");
 }
 
+TEST(PipelineFromParts, FindsNothingWhereNothingIsSure) {
+  const Pipeline pipeline = column_pipeline({4}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.max_hands = 2});
+  EXPECT_TRUE(found.hands.empty());
+  EXPECT_THAT(found.status, AllOf(HasSubstr("nothing looks like a hand"), HasSubstr("score of 0.40"),
+                                  HasSubstr("at least 0.50")));
+}
+
 TEST(PipelineFromParts, TrustsAGivenStart) {
-  const Pipeline pipeline = column_pipeline({4, 7, 8}, std::make_unique<ColumnEstimator>());
-  const FrameEstimate found = pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 500.0), .max_hands = 2});
+  auto estimator = std::make_unique<ColumnEstimator>();
+  const ColumnEstimator& seen = *estimator;
+  const Pipeline pipeline = column_pipeline({4, 7, 8}, std::move(estimator));
+  const Point3 start(1.0, 2.0, 500.0);
+  const FrameEstimate found = pipeline.estimate(plate(), {.start = start, .max_hands = 2});
   EXPECT_EQ(columns_of(found), std::vector{4});
+  EXPECT_EQ(found.hands.at(0).region.centre, start);
   EXPECT_EQ(found.status, kUnsure);
+  EXPECT_EQ(seen.calls, 1);
+}
+
+TEST(PipelineFromParts, IsSureOfAStartWhoseScoreIsHigh) {
+  const Pipeline pipeline = column_pipeline({6, 8}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 500.0)});
+  EXPECT_EQ(columns_of(found), std::vector{6});
+  EXPECT_EQ(found.status, "");
+}
+
+TEST(PipelineFromParts, LooksBesideTheStartWhereAsked) {
+  const Pipeline pipeline = column_pipeline({4, 7, 8}, std::make_unique<ColumnEstimator>());
+  const Point3 start(-1000.0, 2.0, 500.0);
+  const FrameEstimate two = pipeline.estimate(plate(), {.start = start, .elsewhere = true, .max_hands = 2});
+  EXPECT_EQ(columns_of(two), (std::vector{8, 7}));
+  EXPECT_EQ(two.status, "");
+  const FrameEstimate three = pipeline.estimate(plate(), {.start = start, .elsewhere = true, .max_hands = 3});
+  EXPECT_EQ(columns_of(three), (std::vector{8, 7, 4}));  // what is at the start stays, also unsure
+}
+
+TEST(PipelineFromParts, LooksNowhereElseWhereNotAsked) {
+  const Pipeline pipeline = column_pipeline({4, 7}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.elsewhere = false});
+  EXPECT_TRUE(found.hands.empty());
+}
+
+TEST(PipelineFromParts, RefusesImpossibleNumbersOfHands) {
+  const Pipeline pipeline(parts());
+  EXPECT_THAT(error_of([&] { (void)pipeline.estimate(plate(), {.max_hands = 0}); }),
+              HasSubstr("max_hands is 0"));
+}
+
+/// Looks twice at a cube; the first time it sees the palm at pixel (12, 16), 495 mm away, wherever it looks.
+class MovingEstimator final : public Estimator {
+ public:
+  Convention convention() const override { return {"corner1", kPalm}; }
+  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  PatchOptions patch_options() const override { return {.size_px = 10, .mode = "cube", .cube_mm = 100.0}; }
+  int passes() const override { return 2; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    return {{patch.geometry.to_patch({12.0, 16.0, 495.0})}, {}};
+  }
+
+ private:
+  static constexpr std::array kPalm = {Landmark::palm};
+  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+};
+
+/// Keeps the region that it is given.
+class RegionRefiner final : public Refiner {
+ public:
+  explicit RegionRefiner(HandRegion& seen) : seen_(seen) {}
+  HandPose refine(const Frame& /*frame*/, const HandRegion& hand, HandPose pose) const override {
+    seen_ = hand;
+    return pose;
+  }
+
+ private:
+  HandRegion& seen_;
+};
+
+PipelineParts moving_parts(std::vector<int> columns, int max_hands) {
+  return {HandFinder(std::make_unique<ColumnSegmenter>(std::move(columns)), {.max_hands = max_hands}),
+          std::make_unique<MovingEstimator>()};
+}
+
+TEST(PipelineFromParts, GivesRefinersTheRegionOfTheLastLook) {
+  HandRegion seen;
+  PipelineParts moving = moving_parts({4}, 1);
+  moving.refiners.push_back(std::make_unique<RegionRefiner>(seen));
+  const FrameEstimate found = Pipeline(std::move(moving)).estimate(plate());
+  ASSERT_EQ(found.hands.size(), 1u) << found.status;
+  // The cube around (12, 16) at 495 mm reaches 3.03 px and 50 mm: columns 9 to 13 of the plate, rows 13
+  // to 19.
+  EXPECT_EQ(seen.box, (Box{9, 13, 5, 7}));
+  EXPECT_NEAR(seen.centre.z(), 495.0, 1e-9);
+  EXPECT_NEAR(seen.centre.x(), (12.0 - 19.5) * 495.0 / 30.0, 1e-9);
+  EXPECT_EQ(found.hands[0].region.box, seen.box);
+}
+
+TEST(PipelineFromParts, CountsAHandThatTwoPlacesLeadToOnce) {
+  const FrameEstimate found = Pipeline(moving_parts({4, 5}, 2)).estimate(plate());
+  EXPECT_EQ(found.hands.size(), 1u);
 }
 
 TEST(PipelineFromParts, DoesNotDoubtAMethodWithoutConfidence) {

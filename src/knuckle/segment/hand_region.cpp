@@ -46,6 +46,31 @@ HandRegion mirrored(HandRegion region, int width) {
   return region;
 }
 
+HandRegion region_in_cube(const Frame& frame, const Point3& centre, double side_mm) {
+  const Projection projection(frame.camera);
+  const ImagePoint middle = projection.to_image(centre);
+  const double half_px = 0.5 * side_mm * projection.pixels_per_mm(centre.z());
+  const auto nearest_mm = static_cast<float>(centre.z() - 0.5 * side_mm);
+  const auto farthest_mm = static_cast<float>(centre.z() + 0.5 * side_mm);
+  const auto first = [](double place, int size) {
+    return static_cast<int>(std::clamp(std::ceil(place), 0.0, static_cast<double>(size)));
+  };
+  const int width = frame.depth_mm.width();
+  const int height = frame.depth_mm.height();
+  std::vector<std::int32_t> pixels;
+  for (int row = first(middle.v - half_px, height); row < first(middle.v + half_px, height); ++row) {
+    for (int column = first(middle.u - half_px, width); column < first(middle.u + half_px, width); ++column) {
+      const float depth = frame.depth_mm(column, row);
+      if (is_measured(depth) && depth >= nearest_mm && depth <= farthest_mm) {
+        pixels.push_back(row * width + column);
+      }
+    }
+  }
+  HandRegion region = pixels.empty() ? HandRegion() : region_of_pixels(pixels, width);
+  region.centre = centre;
+  return region;
+}
+
 double pixel_area_mm2(const Camera& camera, double depth_mm) {
   const double area_at_unit_depth = 1.0 / std::abs(camera.fx * camera.fy);
   return camera.model == CameraModel::orthographic ? area_at_unit_depth

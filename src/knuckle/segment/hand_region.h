@@ -20,6 +20,10 @@ HandRegion region_of_pixels(const std::vector<std::int32_t>& pixels, int width);
 /// changes sign.
 HandRegion mirrored(HandRegion region, int width);
 
+/// What is measured in the cube around `centre` whose edges are parallel to the camera's axes; an empty box
+/// and mask where nothing is. The centre is `centre`; the score is left to the caller.
+HandRegion region_in_cube(const Frame& frame, const Point3& centre, double side_mm);
+
 /// Area that a pixel covers at this depth, on a plane parallel to the image [mm^2].
 double pixel_area_mm2(const Camera& camera, double depth_mm);
 

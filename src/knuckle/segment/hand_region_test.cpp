@@ -44,5 +44,24 @@ TEST(PixelArea, GrowsWithTheSquareOfTheDepthOfAProjectiveCamera) {
   EXPECT_DOUBLE_EQ(pixel_area_mm2(camera, 1000.0), 8.0);
 }
 
+TEST(RegionInCube, HoldsWhatIsMeasuredInTheCube) {
+  Frame frame;
+  frame.camera = {.width = 40, .height = 30, .fx = 50.0, .fy = 50.0, .cx = 20.0, .cy = 10.0};
+  frame.depth_mm = Image<float>(40, 30, 500.0f);
+  frame.depth_mm(25, 12) = 551.0f;  // beyond the cube
+  frame.depth_mm(26, 12) = 0.0f;
+  frame.depth_mm(27, 12) = 449.0f;  // before it
+  frame.depth_mm(28, 12) = 451.0f;
+  // (5, 2) px off the middle; 100 mm are 10 px at 500 mm.
+  const HandRegion region = region_in_cube(frame, Point3(50.0, 20.0, 500.0), 100.0);
+  EXPECT_EQ(region.box, (Box{20, 7, 10, 10}));
+  EXPECT_EQ(region.mask(5, 5), 0);
+  EXPECT_EQ(region.mask(6, 5), 0);
+  EXPECT_EQ(region.mask(7, 5), 0);
+  EXPECT_EQ(region.mask(8, 5), 1);
+  EXPECT_EQ(region.centre, Point3(50.0, 20.0, 500.0));
+  EXPECT_TRUE(region_in_cube(frame, Point3(0.0, 0.0, 900.0), 100.0).mask.empty());
+}
+
 }  // namespace
 }  // namespace knuckle

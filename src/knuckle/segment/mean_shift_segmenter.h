@@ -33,6 +33,11 @@ struct MeanShiftSegmenterOptions {
 /// is tried in its place. For further hands the regions found are taken out with all points within
 /// `separation_mm` of their ball.
 ///
+/// A search has a fixed budget of points, whatever the size of the image (search_image.h): a large image is
+/// thinned for it, and a start that was not given is followed over few of the points first. Without a hand (a
+/// wall) that is all; a hand's centre is the fixed point over all points of the thinned image, and its pixels
+/// are those of the whole one.
+///
 /// Score: the kernel-weighted area over that of an unbounded plane through the centre, facing the camera
 /// (2 pi h^2). About 1 for the flat of a hand, less for a finger, the border of the image, or sparse
 /// measurements.

@@ -166,5 +166,53 @@ TEST(ThresholdSegmenter, TakesTheLargestComponentWhereAsked) {
   EXPECT_GT(found.hands[0].centre.x(), 100);
 }
 
+/// A camera of four times as many pixels a side.
+Camera large_camera() {
+  Camera camera = testing::quarter_vga_camera();
+  camera.width *= 4;
+  camera.height *= 4;
+  camera.fx *= 4;
+  camera.fy *= 4;
+  camera.cx *= 4;
+  camera.cy *= 4;
+  return camera;
+}
+
+TEST(MeanShiftSegmenter, FindsAllPixelsOfAHandInAnImageThatIsThinnedForTheSearch) {
+  Frame frame = blank_frame(large_camera());
+  draw_ball(frame, Point3(-60, 20, 500), 55);
+  const Segmentation alone = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 1);
+  ASSERT_EQ(alone.hands.size(), 1u);
+  for (float& depth : frame.depth_mm.pixels()) depth = is_measured(depth) ? depth : 1500.0f;  // a wall behind
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 1);
+  ASSERT_EQ(found.hands.size(), 1u);
+  EXPECT_LT((found.hands[0].centre - alone.hands[0].centre).norm(), 0.3);
+  EXPECT_EQ(found.hands[0].box, alone.hands[0].box);
+  EXPECT_EQ(found.hands[0].mask, alone.hands[0].mask);
+  EXPECT_NEAR(found.hands[0].score, alone.hands[0].score, 0.02);
+}
+
+TEST(MeanShiftSegmenter, KeepsHandsApartInAnImageThatIsThinnedForTheSearch) {
+  Frame frame = blank_frame(large_camera());
+  draw_ball(frame, Point3(-110, 0, 500), 55);
+  draw_ball(frame, Point3(110, 10, 520), 50);
+  for (float& depth : frame.depth_mm.pixels()) depth = is_measured(depth) ? depth : 1500.0f;
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 2);
+  ASSERT_EQ(found.hands.size(), 2u);
+  EXPECT_TRUE(intersection(found.hands[0].box, found.hands[1].box).empty());
+}
+
+TEST(MeanShiftSegmenter, TakesNoWallForAHandHoweverManyPixelsItHas) {
+  for (const bool is_large : {false, true}) {
+    Frame frame = blank_frame(is_large ? large_camera() : testing::quarter_vga_camera());
+    Random random(7);
+    for (float& depth : frame.depth_mm.pixels()) depth = static_cast<float>(900.0 + 2.0 * random.normal());
+    const Segmentation found =
+        MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 4);
+    EXPECT_TRUE(found.hands.empty());
+    EXPECT_THAT(found.reason, ::testing::HasSubstr("a hand at most 40000"));
+  }
+}
+
 }  // namespace
 }  // namespace knuckle

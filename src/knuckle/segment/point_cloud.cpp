@@ -56,14 +56,23 @@ std::vector<std::int32_t> pixels_between(const Image<float>& depth_mm, float low
   return pixels;
 }
 
+/// Keeps each step-th pixel.
+void thin(std::vector<std::int32_t>& pixels, int step) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pixels.size(); i += static_cast<std::size_t>(step)) pixels[count++] = pixels[i];
+  pixels.resize(count);
+}
+
 }  // namespace
 
 PointCloud points_around(const Image<float>& depth_mm, const RayTable& rays, const Point3& centre,
-                         double radius_mm) {
+                         double radius_mm, int most) {
   assert(rays.rays_x().size() == depth_mm.size());
   const auto low = std::max(static_cast<float>(centre.z() - radius_mm), std::numeric_limits<float>::min());
   const auto high = std::min(static_cast<float>(centre.z() + radius_mm), std::numeric_limits<float>::max());
-  const std::vector<std::int32_t> pixels = pixels_between(depth_mm, low, high);
+  std::vector<std::int32_t> pixels = pixels_between(depth_mm, low, high);
+  const auto thinning = static_cast<int>((std::ssize(pixels) - 1) / most + 1);
+  if (thinning > 1) thin(pixels, thinning);
 
   const bool is_orthographic = rays.camera().model == CameraModel::orthographic;
   const Eigen::Array3f middle = centre.cast<float>();
@@ -85,6 +94,7 @@ PointCloud points_around(const Image<float>& depth_mm, const RayTable& rays, con
     count += dx * dx + dy * dy + dz * dz <= squared_radius ? 1 : 0;
   }
   cut_to(cloud, count);
+  cloud.thinning = thinning;
   return cloud;
 }
 

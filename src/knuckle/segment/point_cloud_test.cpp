@@ -70,5 +70,19 @@ TEST(RayCache, KeepsTheLastCamera) {
   EXPECT_THROW((void)cache.rays_of(camera), Error);
 }
 
+TEST(PointsAround, LooksAtEachKthPixelWhereThereAreMoreThanAsked) {
+  Image<float> depth(10, 7, 500.0f);
+  depth(0, 0) = 900.0f;  // out of the interval: 69 pixels are left
+  const Camera camera{.width = 10, .height = 7, .fx = 100.0, .fy = 100.0, .cx = 4.5, .cy = 3.0};
+  const RayTable rays(camera);
+  const PointCloud all = points_around(depth, rays, Point3(0, 0, 500), 100, 69);
+  EXPECT_EQ(all.size(), 69);
+  EXPECT_EQ(all.thinning, 1);
+  const PointCloud few = points_around(depth, rays, Point3(0, 0, 500), 100, 20);
+  EXPECT_EQ(few.thinning, 4);
+  ASSERT_EQ(few.size(), 18);
+  for (int i = 0; i < few.size(); ++i) EXPECT_EQ(few.pixels[i], all.pixels[4 * i]);
+}
+
 }  // namespace
 }  // namespace knuckle

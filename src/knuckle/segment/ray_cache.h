@@ -3,14 +3,15 @@
 
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "knuckle/camera/projection.h"
 
 namespace knuckle {
 
-/// Keeps the ray table of the last camera asked for: the frames of a recording share one, and undistorting
-/// all its pixels costs more than segmenting a frame. Safe to call from many threads; a table lives as long
-/// as its users.
+/// Keeps the ray tables of the last cameras asked for: the frames of a recording share one (and those of its
+/// thinned images), and undistorting all its pixels costs more than segmenting a frame. Safe to call from
+/// many threads; a table lives as long as its users.
 class RayCache {
  public:
   /// Throws an Error where the camera's values are impossible.
@@ -18,7 +19,7 @@ class RayCache {
 
  private:
   std::mutex mutex_;
-  std::shared_ptr<const RayTable> last_;
+  std::vector<std::shared_ptr<const RayTable>> last_;  // the latest first
 };
 
 }  // namespace knuckle
