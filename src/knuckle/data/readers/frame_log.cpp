@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace knuckle {
 namespace {
 
-constexpr std::string_view kMagic = "knuckle frame log 2\n";
+constexpr std::string_view kMagic = "knuckle frame log 3\n";
 
 /// What stands before a record's content, and its checksum behind it, which covers both.
 struct RecordHead {

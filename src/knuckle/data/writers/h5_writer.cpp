@@ -2,6 +2,7 @@
 #include "knuckle/data/writers/h5_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -81,7 +82,7 @@ void H5Writer::restore() {
   const std::vector<std::int64_t> indices = log_.indices();
   if (indices.empty()) return;
   const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
-  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty()},
+  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !std::isnan(frame.time_s)},
                   {indices.begin(), indices.end()});
 }
 
@@ -104,12 +105,16 @@ void H5Writer::create_arrays(Hdf5File& file) const {
   file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
   file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
   file.create_dataset<std::int8_t>(kH5Side, {count}, {});
+  if (layout.has_time) file.create_dataset<double>(kH5Time, {count}, {});
+  file.create_dataset<std::int32_t>(kH5Sequence, {count}, {});
 }
 
 void H5Writer::write_frames(Hdf5File& file) const {
   RowBlock<float> joints(file, kH5Joints);
   RowBlock<double> intrinsics(file, kH5Intrinsics);
   RowBlock<std::int8_t> sides(file, kH5Side);
+  const bool has_time = ledger_.layout()->has_time;
+  Timeline timeline;
   Progress progress("assemble", "frames", options_.count);
   for (std::int64_t i = 0; i < options_.count; ++i) {
     const StoredFrame frame = stored_frame_from(log_.read(options_.first + i));
@@ -120,11 +125,22 @@ void H5Writer::write_frames(Hdf5File& file) const {
     joints.add(frame.joints_mm);
     intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
     sides.add(std::array{frame.side});
+    if (has_time) timeline.times_s.push_back(frame.time_s);
+    timeline.sequences.push_back(frame.sequence);
     progress.advance();
   }
   joints.write();
   intrinsics.write();
   sides.write();
+  write_timeline(file, timeline);
+}
+
+void H5Writer::write_timeline(Hdf5File& file, const Timeline& timeline) const {
+  if (const auto fault = fault_of(timeline))
+    fail("{}: frame {}: {}", path_.string(), options_.first + fault->frame, fault->message);
+  const auto count = static_cast<std::uint64_t>(options_.count);
+  if (!timeline.times_s.empty()) file.write_rows(kH5Time, 0, count, timeline.times_s.data());
+  file.write_rows(kH5Sequence, 0, count, timeline.sequences.data());
 }
 
 void H5Writer::write_whole(const fs::path& path) const {

@@ -5,6 +5,7 @@
 
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/stored_frame.h"
+#include "knuckle/data/readers/timeline.h"
 #include "knuckle/data/writers/frame_ledger.h"
 #include "knuckle/data/writers/frame_writer.h"
 #include "knuckle/storage/hdf5_file.h"
@@ -29,6 +30,7 @@ class H5Writer final : public FrameWriter {
   void write_whole(const std::filesystem::path& path) const;
   void create_arrays(Hdf5File& file) const;
   void write_frames(Hdf5File& file) const;
+  void write_timeline(Hdf5File& file, const Timeline& timeline) const;
 
   std::filesystem::path path_;
   FrameWriterOptions options_;
