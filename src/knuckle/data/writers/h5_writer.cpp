@@ -10,6 +10,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/landmarks.h"
+#include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/readers/h5_format.h"
@@ -109,25 +110,36 @@ void H5Writer::create_arrays(Hdf5File& file) const {
   file.create_dataset<std::int32_t>(kH5Sequence, {count}, {});
 }
 
+std::vector<StoredFrame> H5Writer::read_back(std::int64_t first, std::int64_t count) const {
+  std::vector<StoredFrame> frames(static_cast<std::size_t>(count));
+  parallel_for(count, [&](std::int64_t i) {
+    frames[static_cast<std::size_t>(i)] = stored_frame_from(log_.read(options_.first + first + i));
+  });
+  return frames;
+}
+
 void H5Writer::write_frames(Hdf5File& file) const {
+  constexpr std::int64_t kFramesAtOnce = 256;
+  const bool has_time = ledger_.layout()->has_time;
   RowBlock<float> joints(file, kH5Joints);
   RowBlock<double> intrinsics(file, kH5Intrinsics);
   RowBlock<std::int8_t> sides(file, kH5Side);
-  const bool has_time = ledger_.layout()->has_time;
   Timeline timeline;
   Progress progress("assemble", "frames", options_.count);
-  for (std::int64_t i = 0; i < options_.count; ++i) {
-    const StoredFrame frame = stored_frame_from(log_.read(options_.first + i));
-    const auto row = static_cast<std::uint64_t>(i);
-    file.write_chunk(kH5Depth, row, frame.depth);
-    if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
-    if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
-    joints.add(frame.joints_mm);
-    intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
-    sides.add(std::array{frame.side});
-    if (has_time) timeline.times_s.push_back(frame.time_s);
-    timeline.sequences.push_back(frame.sequence);
-    progress.advance();
+  for (std::int64_t first = 0; first < options_.count; first += kFramesAtOnce) {
+    std::int64_t index = first;
+    for (const StoredFrame& frame : read_back(first, std::min(kFramesAtOnce, options_.count - first))) {
+      const auto row = static_cast<std::uint64_t>(index++);
+      file.write_chunk(kH5Depth, row, frame.depth);
+      if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
+      if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
+      joints.add(frame.joints_mm);
+      intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
+      sides.add(std::array{frame.side});
+      if (has_time) timeline.times_s.push_back(frame.time_s);
+      timeline.sequences.push_back(frame.sequence);
+      progress.advance();
+    }
   }
   joints.write();
   intrinsics.write();
