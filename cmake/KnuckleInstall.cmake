@@ -15,7 +15,7 @@ install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
 install(DIRECTORY src/knuckle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h"
         PATTERN "*testing*" EXCLUDE PATTERN "*fixtures*" EXCLUDE PATTERN "cli" EXCLUDE PATTERN "training" EXCLUDE)
-install(DIRECTORY experiments models pipelines manifests DESTINATION ${data_folder})
+install(DIRECTORY experiments models pipelines manifests schemas DESTINATION ${data_folder})
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT knuckleTargets NAMESPACE knuckle:: DESTINATION ${package_folder})

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
 
 namespace knuckle {
 
@@ -30,6 +31,18 @@ std::vector<std::string> read_lines(const std::filesystem::path& path) {
     begin = end + 1;
   }
   return lines;
+}
+
+std::vector<ContentLine> read_content_lines(const std::filesystem::path& path) {
+  std::vector<ContentLine> content;
+  std::size_t number = 0;
+  for (std::string& line : read_lines(path)) {
+    ++number;
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text.starts_with('#')) continue;
+    content.push_back({std::move(line), fmt::format("{}:{}", path.string(), number)});
+  }
+  return content;
 }
 
 }  // namespace knuckle

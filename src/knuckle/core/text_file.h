@@ -14,4 +14,13 @@ std::string read_text_file(const std::filesystem::path& path);
 /// end counts.
 std::vector<std::string> read_lines(const std::filesystem::path& path);
 
+/// A line of a file that says something.
+struct ContentLine {
+  std::string text;   ///< without its end
+  std::string where;  ///< "file:12", for messages
+};
+
+/// The lines of a file that are neither blank nor start with #.
+std::vector<ContentLine> read_content_lines(const std::filesystem::path& path);
+
 }  // namespace knuckle

@@ -20,6 +20,8 @@ class CountingSource final : public FrameSource {
     Frame frame;
     frame.name = std::to_string(index);
     frame.camera.fx = static_cast<double>(index);
+    frame.time_s = 0.5 * static_cast<double>(index);
+    frame.sequence = static_cast<int>(index / 4);
     return frame;
   }
   std::optional<Convention> convention() const override { return convention_from_name("icg20"); }
@@ -52,6 +54,17 @@ TEST(SelectedFrames, LabelsAreThoseOfTheSelectedFrames) {
   const auto source = select_frames(std::make_unique<CountingSource>(10), {2, 3, 3}, "test");
   EXPECT_EQ(source->read_label(1).camera.fx, 5.0);
   EXPECT_EQ(source->read_label(2).camera.fx, 8.0);
+}
+
+TEST(SelectedFrames, KeepTheirTimesAndSequences) {
+  const auto source = select_frames(std::make_unique<CountingSource>(10), {2, 3, 3}, "test");
+  for (const std::int64_t i : {0, 1, 2}) {
+    const std::int64_t index = 2 + 3 * i;
+    EXPECT_EQ(source->read(i).time_s, 0.5 * static_cast<double>(index));
+    EXPECT_EQ(source->read_label(i).time_s, 0.5 * static_cast<double>(index));
+    EXPECT_EQ(source->read(i).sequence, index / 4);
+    EXPECT_EQ(source->read_label(i).sequence, index / 4);
+  }
 }
 
 TEST(SelectedFrames, KeepsConventionAndPixelOrigin) {

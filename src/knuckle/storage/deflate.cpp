@@ -23,6 +23,15 @@ libdeflate_compressor* compressor() {
   return own.get();
 }
 
+/// Bytes may be any object's: without `__restrict` the compiler must take one value at a time.
+void split_bytes(const std::uint16_t* __restrict values, std::size_t count, std::uint8_t* __restrict low,
+                 std::uint8_t* __restrict high) {
+  for (std::size_t i = 0; i < count; ++i) {
+    low[i] = static_cast<std::uint8_t>(values[i]);
+    high[i] = static_cast<std::uint8_t>(values[i] >> 8);
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes) {
@@ -36,9 +45,7 @@ std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> shuffled(std::span<const std::uint16_t> values) {
   std::vector<std::uint8_t> bytes(2 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) bytes[i] = static_cast<std::uint8_t>(values[i]);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    bytes[values.size() + i] = static_cast<std::uint8_t>(values[i] >> 8);
+  split_bytes(values.data(), values.size(), bytes.data(), bytes.data() + values.size());
   return bytes;
 }
 

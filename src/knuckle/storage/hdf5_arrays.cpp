@@ -149,12 +149,13 @@ void Hdf5File::write_rows(std::string_view dataset, std::uint64_t first, std::ui
 void Hdf5File::write_chunk(std::string_view dataset, std::uint64_t row,
                            std::span<const std::uint8_t> stored) {
   const Hdf5Lock lock;
-  const Hdf5Id id = handle_->numeric_dataset(dataset);
-  std::vector<hsize_t> place(handle_->shape(id).size(), 0);
+  const Handle::KeptDataset& kept = handle_->kept_dataset(dataset);
+  std::vector<hsize_t> place(kept.rank, 0);
   if (place.empty()) handle_->fault(dataset, "has no rows");
   place[0] = row;
   constexpr std::uint32_t kAllFiltersApplied = 0;
-  if (H5Dwrite_chunk(id, H5P_DEFAULT, kAllFiltersApplied, place.data(), stored.size(), stored.data()) < 0) {
+  if (H5Dwrite_chunk(kept.id, H5P_DEFAULT, kAllFiltersApplied, place.data(), stored.size(), stored.data()) <
+      0) {
     handle_->fault(dataset, "cannot be written; is the disk full?");
   }
 }

@@ -55,6 +55,7 @@ void Hdf5File::close() {
   const Hdf5Lock lock;
   if (handle_->file < 0) return;
   flush();
+  handle_->kept.clear();
   if (H5Fclose(std::exchange(handle_->file, H5I_INVALID_HID)) < 0) {
     fail("{}: cannot be written; is the disk full?", path().string());
   }

@@ -59,6 +59,7 @@ Hdf5Id simple_space(const std::vector<std::uint64_t>& shape) {
 
 Hdf5File::Handle::~Handle() {
   const Hdf5Lock lock;
+  kept.clear();
   if (file >= 0) H5Fclose(file);
 }
 
@@ -79,6 +80,14 @@ Hdf5Id Hdf5File::Handle::numeric_dataset(std::string_view name) const {
   const H5T_class_t kind = H5Tget_class(type);
   if (kind != H5T_INTEGER && kind != H5T_FLOAT) fault(name, "expected an array of numbers");
   return id;
+}
+
+const Hdf5File::Handle::KeptDataset& Hdf5File::Handle::kept_dataset(std::string_view name) {
+  const auto found = kept.find(name);
+  if (found != kept.end()) return found->second;
+  Hdf5Id id = numeric_dataset(name);
+  const std::size_t rank = shape(id).size();
+  return kept.emplace(name, KeptDataset{std::move(id), rank}).first->second;
 }
 
 std::vector<std::uint64_t> Hdf5File::Handle::shape(const Hdf5Id& dataset_id) const {

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <mutex>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -50,8 +53,15 @@ Hdf5Id simple_space(const std::vector<std::uint64_t>& shape);
 
 /// An open file with its path, for messages; closed in the end.
 struct Hdf5File::Handle {
+  /// A dataset that stays open with the file.
+  struct KeptDataset {
+    Hdf5Id id;
+    std::size_t rank;
+  };
+
   std::filesystem::path path;
   hid_t file = H5I_INVALID_HID;
+  std::map<std::string, KeptDataset, std::less<>> kept;
 
   Handle(std::filesystem::path file_path, hid_t id) : path(std::move(file_path)), file(id) {}
   Handle(const Handle&) = delete;
@@ -61,6 +71,8 @@ struct Hdf5File::Handle {
   [[noreturn]] void fault(std::string_view item, std::string_view message) const;
 
   Hdf5Id dataset(std::string_view name) const;
+  /// The same, kept open until the file is closed: for what is asked for again and again.
+  const KeptDataset& kept_dataset(std::string_view name);
   Hdf5Id numeric_dataset(std::string_view name) const;
   std::vector<std::uint64_t> shape(const Hdf5Id& dataset_id) const;
   /// Number of values. Throws where they are more than a file of this size can hold: a damaged file must not

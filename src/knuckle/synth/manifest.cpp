@@ -70,6 +70,7 @@ void ManifestCamera::visit(OptionVisitor& visitor) {
 void Manifest::visit(OptionVisitor& visitor) {
   visitor.seed("seed", seed);
   visitor.integer("frames", frames, closed(1, 100000000));
+  visitor.real("rate_hz", rate_hz, open_closed(0, 10000));
 }
 
 Manifest load_manifest(const std::filesystem::path& path) {

@@ -39,7 +39,8 @@ struct ManifestCamera {
 struct Manifest {
   std::filesystem::path path;
   std::uint64_t seed = 1;
-  int frames = 1000;  ///< [1, 100000000]
+  int frames = 1000;      ///< [1, 100000000]
+  double rate_hz = 30.0;  ///< frame i is seen at i / rate_hz seconds, (0, 10000] [1/s]
   PeopleOptions body;
   ManifestCamera camera;
   HandPoseOptions pose;
@@ -48,7 +49,7 @@ struct Manifest {
   SensorOptions sensor;
   std::string resolved;  ///< the manifest as TOML with every default filled in
 
-  void visit(OptionVisitor& visitor);  ///< the keys outside tables: seed, frames
+  void visit(OptionVisitor& visitor);  ///< the keys outside tables: seed, frames, rate_hz
 };
 
 /// Reads a manifest (TOML; manifests/demo.toml documents all keys). `preset` in `[sensor]` sets camera and

@@ -107,6 +107,8 @@ class SyntheticSource final : public FrameSource {
     }
     Frame frame;
     frame.name = fmt::format("{:06}", index);
+    frame.time_s = static_cast<double>(index) / manifest_.rate_hz;
+    frame.sequence = static_cast<int>(scene_of_frame(index));
     frame.camera = camera_of_frame(index);
     frame.side = side_of_frame(index);
     const bool is_left = frame.side == HandSide::left;
@@ -147,7 +149,7 @@ class SyntheticSource final : public FrameSource {
     frame.infrared = std::move(images.infrared);
   }
 
-  /// Smooth motion is one person's, and of one hand.
+  /// Smooth motion is one sequence of one person's hand; without motion every frame is a scene of its own.
   std::uint64_t scene_of_frame(std::int64_t index) const {
     return manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
   }

@@ -12,7 +12,8 @@ namespace knuckle {
 
 /// Frames rendered as they are read: nothing lies on the disk. A frame is a function of (manifest, index)
 /// alone, to the bit, in any order and on any number of threads. Truth: the 22 landmarks (`knuckle22`) and
-/// the hand's mask. Throws an Error that names the file where the manifest is faulty or its body is missing.
+/// the hand's mask. Smooth motion is one sequence; without motion each frame is a sequence of its own. Throws
+/// an Error that names the file where the manifest is faulty or its body is missing.
 std::unique_ptr<FrameSource> open_synthetic(const std::filesystem::path& manifest);
 
 /// The same of a manifest and a body in memory.

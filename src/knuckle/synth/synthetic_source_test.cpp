@@ -155,6 +155,19 @@ TEST(SyntheticSource, SmoothMotionIsSmooth) {
   EXPECT_GT(farthest, 8.0);
 }
 
+TEST(SyntheticSource, FramesFollowOneAnotherAtTheRateOfTheManifest) {
+  Manifest manifest = small_manifest();
+  manifest.rate_hz = 25.0;
+  const auto still = box_hand_source(manifest);
+  EXPECT_EQ(still->read(0).time_s, 0.0);
+  EXPECT_EQ(still->read(3).time_s, 3.0 / 25.0);
+  EXPECT_EQ(still->read(3).sequence, 3) << "every frame is another scene";
+  manifest.motion.motion = "smooth";
+  const auto moving = box_hand_source(manifest);
+  EXPECT_EQ(moving->read(3).time_s, 3.0 / 25.0);
+  EXPECT_EQ(moving->read(3).sequence, 0);
+}
+
 TEST(SyntheticSource, FocalLengthsSpreadAsAskedFor) {
   Manifest manifest = small_manifest();
   manifest.camera.focal_spread = 0.2;

@@ -20,16 +20,20 @@ Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_m
 
 Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where) {
   constexpr double kHighest = std::numeric_limits<std::uint16_t>::max();
+  float deepest = 0.0f;
+  for (const float depth : depth_mm.pixels()) deepest = depth > deepest ? depth : deepest;
+  if (!(deepest / unit_mm + 0.5 < kHighest + 1)) {
+    fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, deepest,
+         kHighest * unit_mm, unit_mm);
+  }
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
-  std::ranges::transform(depth_mm.pixels(), counts.pixels().begin(), [&](float depth) -> std::uint16_t {
-    if (!(depth > 0)) return 0;
-    const double count = depth / unit_mm + 0.5;  // rounds once it is cut to a whole number
-    if (!(count < kHighest + 1)) {
-      fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, depth,
-           kHighest * unit_mm, unit_mm);
-    }
-    return static_cast<std::uint16_t>(count);
-  });
+  const float* from = depth_mm.data();
+  std::uint16_t* to = counts.data();
+  for (std::size_t i = 0; i < counts.size();
+       ++i) {  // no way out of the loop: the compiler takes many at once
+    const double depth = from[i] > 0.0f ? from[i] : 0.0f;
+    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(depth / unit_mm + 0.5));  // rounds
+  }
   return counts;
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kModels{"projective", "orthographic"};
 constexpr std::array<std::string_view, 2> kOrigins{"centre", "corner"};
+constexpr std::array<std::string_view, 3> kHands{"right", "left", "both"};
 constexpr std::size_t kDistortionCount = 8;
 
 Camera camera_from(const CameraOptions& options) {
@@ -40,12 +41,10 @@ CameraOptions options_from(const Camera& camera) {
   return options;
 }
 
-Camera read_camera(const OptionTable& table) {
+/// `options` as the table has set them.
+Camera checked_camera(const OptionTable& table, const CameraOptions& options) {
   for (const std::string_view key : {"width", "height", "fx", "fy", "cx", "cy"})
     if (!table.has(key)) fail("{}: [camera] lacks '{}'", table.origin(), key);
-  CameraOptions options;
-  table.read(options);
-  table.finish();
   const Camera camera = camera_from(options);
   try {
     check(camera);
@@ -53,6 +52,17 @@ Camera read_camera(const OptionTable& table) {
     fail("{}: [camera]: {}", table.origin(), error.what());
   }
   return camera;
+}
+
+/// The keys outside the table; those that are not known are left out.
+std::string top_as_toml(const FolderDescription& description) {
+  const bool is_corner = description.pixel_origin == PixelOrigin::corner;
+  std::string text = fmt::format("convention = \"{}\"\ndepth_unit_mm = {}\npixel_origin = \"{}\"\n",
+                                 description.convention ? description.convention->name : "",
+                                 description.depth_unit_mm, kOrigins[is_corner ? 1 : 0]);
+  if (!description.side.empty()) text += fmt::format("side = \"{}\"\n", description.side);
+  if (description.rate_hz > 0.0) text += fmt::format("rate_hz = {}\n", description.rate_hz);
+  return text;
 }
 
 }  // namespace
@@ -72,17 +82,29 @@ void FolderOptions::visit(OptionVisitor& visitor) {
   visitor.text("convention", convention);
   visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, 1000));
   visitor.choice("pixel_origin", pixel_origin, kOrigins);
+  visitor.choice("side", side, kHands);
+  visitor.real("rate_hz", rate_hz, open_closed(0, 10000));
+}
+
+std::optional<HandSide> FolderDescription::hand_side() const {
+  if (side == "right") return HandSide::right;
+  if (side == "left") return HandSide::left;
+  return std::nullopt;
 }
 
 FolderDescription read_folder_description(const std::filesystem::path& path) {
   const OptionTable table = OptionTable::load(path);
   FolderOptions options;
   table.read(options);
+  const OptionTable camera_table = table.table("camera");
+  CameraOptions camera;
+  camera_table.read(camera);
+  table.finish();  // a mistyped key is named as such before the one that is missing for it
   if (!table.has("camera")) fail("{}: lacks the table [camera]", table.origin());
   FolderDescription description;
-  description.camera = read_camera(table.table("camera"));
-  table.finish();
-
+  description.camera = checked_camera(camera_table, camera);
+  description.side = options.side;
+  description.rate_hz = options.rate_hz;
   description.depth_unit_mm = options.depth_unit_mm;
   description.pixel_origin = options.pixel_origin == "corner" ? PixelOrigin::corner : PixelOrigin::centre;
   description.camera = with_pixel_origin(description.camera, description.pixel_origin, PixelOrigin::centre);
@@ -96,11 +118,8 @@ FolderDescription read_folder_description(const std::filesystem::path& path) {
 }
 
 std::string folder_description_as_toml(const FolderDescription& description) {
-  const bool is_corner = description.pixel_origin == PixelOrigin::corner;
-  const FolderOptions options{std::string(description.convention ? description.convention->name : ""),
-                              description.depth_unit_mm, is_corner ? "corner" : "centre"};
   const Camera camera = with_pixel_origin(description.camera, PixelOrigin::centre, description.pixel_origin);
-  return options_as_toml(options) + "\n[camera]\n" + options_as_toml(options_from(camera));
+  return top_as_toml(description) + "\n[camera]\n" + options_as_toml(options_from(camera));
 }
 
 }  // namespace knuckle

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knuckle/core/camera.h"
+#include "knuckle/core/frame.h"
 #include "knuckle/core/landmarks.h"
 #include "knuckle/core/options.h"
 
@@ -31,6 +32,9 @@ struct FolderOptions {
   std::string convention;               ///< of joints.txt; empty where there is none
   double depth_unit_mm = 1.0;           ///< millimetres a count of depth, (0, 1000]
   std::string pixel_origin = "centre";  ///< centre | corner
+  std::string side;  ///< which hands are seen: right | left | both; empty where it is not said
+  double rate_hz =
+      0.0;  ///< frames per second, (0, 10000], where there is no times.txt; 0 where it is not said
 
   void visit(OptionVisitor& visitor);
 };
@@ -41,6 +45,11 @@ struct FolderDescription {
   double depth_unit_mm = 1.0;
   PixelOrigin pixel_origin = PixelOrigin::centre;  ///< of the files
   Camera camera;                                   ///< in pixel-centre coordinates, whatever the files use
+  std::string side;                                ///< right | left | both; empty where it is not known
+  double rate_hz = 0.0;  ///< frames per second within a sequence; 0 where it is not known
+
+  /// Which hand all frames show; nothing where they show both or it is not known.
+  std::optional<HandSide> hand_side() const;
 };
 
 /// Reads a dataset.toml strictly. Throws an Error that names the file and the key at fault.

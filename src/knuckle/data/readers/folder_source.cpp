@@ -19,6 +19,7 @@ FolderSource::FolderSource(fs::path folder) : folder_(std::move(folder)) {
   if (names_.empty()) fail("{}: holds no .png file", (folder_ / "depth").string());
   has_infrared_ = fs::is_directory(folder_ / "infrared");
   has_mask_ = fs::is_directory(folder_ / "mask");
+  timeline_ = read_timeline(folder_, size(), description_.rate_hz);
 
   const fs::path joints = folder_ / "joints.txt";
   if (!fs::exists(joints)) return;
@@ -43,7 +44,7 @@ std::optional<HandPose> FolderSource::read_truth(std::int64_t index) const {
 }
 
 FrameLabel FolderSource::read_label(std::int64_t index) const {
-  return {description_.camera, read_truth(index)};
+  return {description_.camera, read_truth(index), timeline_.time_s(index), timeline_.sequence(index)};
 }
 
 Frame FolderSource::read(std::int64_t index) const {
@@ -66,6 +67,9 @@ Frame FolderSource::read(std::int64_t index) const {
     frame.mask = mask_from_pixels(checked(read_png8(mask), mask));
   }
   frame.truth = read_truth(index);
+  frame.side = description_.hand_side();
+  frame.time_s = timeline_.time_s(index);
+  frame.sequence = timeline_.sequence(index);
   return frame;
 }
 

@@ -9,12 +9,14 @@
 #include "knuckle/data/frame_source.h"
 #include "knuckle/data/readers/folder_format.h"
 #include "knuckle/data/readers/line_index.h"
+#include "knuckle/data/readers/timeline.h"
 
 namespace knuckle {
 
 /// Knuckle's interchange format for small sets: a folder with `dataset.toml`, `depth/*.png` (16 bits, sorted
 /// by name), and optionally `infrared/` (8 or 16 bits), `mask/` (not 0 = hand), both with the names of depth,
-/// and `joints.txt` (a line a frame, J x `u v d` in px, px, mm, `nan` where unknown).
+/// `joints.txt` (one line per frame, J x `u v d` in px, px, mm, `nan` where unknown), `times.txt` and
+/// `sequences.txt` (timeline.h).
 class FolderSource final : public FrameSource {
  public:
   explicit FolderSource(std::filesystem::path folder);
@@ -31,6 +33,7 @@ class FolderSource final : public FrameSource {
   std::filesystem::path folder_;
   FolderDescription description_;
   std::vector<std::string> names_;  ///< of the files in depth/
+  Timeline timeline_;
   std::optional<LineIndex> joints_;
   bool has_infrared_ = false;
   bool has_mask_ = false;

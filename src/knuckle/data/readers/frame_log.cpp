@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace knuckle {
 namespace {
 
-constexpr std::string_view kMagic = "knuckle frame log 2\n";
+constexpr std::string_view kMagic = "knuckle frame log 3\n";
 
 /// What stands before a record's content, and its checksum behind it, which covers both.
 struct RecordHead {
@@ -132,9 +132,13 @@ void FrameLog::append(std::int64_t index, std::span<const std::uint8_t> content)
   end_ += bytes.size();
 }
 
-std::vector<std::uint8_t> FrameLog::read(std::int64_t index) const {
+FrameLog::Record FrameLog::record_of_frame(std::int64_t index) const {
   const std::lock_guard lock(mutex_);
-  const Record& record = records_.at(index);
+  return records_.at(index);
+}
+
+std::vector<std::uint8_t> FrameLog::read(std::int64_t index) const {
+  const Record record = record_of_frame(index);
   std::vector<std::uint8_t> content(record.size);
   if (!read_at(record.offset, content)) fail("{}: frame {} cannot be read back", path_.string(), index);
   return content;

@@ -32,7 +32,7 @@ class FrameLog {
   std::vector<std::int64_t> indices() const;
   /// Adds a frame. Safe to call from many threads.
   void append(std::int64_t index, std::span<const std::uint8_t> content);
-  /// The content of a frame that is in the log.
+  /// The content of a frame that is in the log. Safe to call from many threads, which read at the same time.
   std::vector<std::uint8_t> read(std::int64_t index) const;
   /// Takes the file away: its frames have a place elsewhere now.
   void remove();
@@ -43,6 +43,7 @@ class FrameLog {
     std::uint64_t size;
   };
 
+  Record record_of_frame(std::int64_t index) const;
   void restore(const std::string& head);
   void write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes) const;
   bool read_at(std::uint64_t offset, std::span<std::uint8_t> bytes) const;

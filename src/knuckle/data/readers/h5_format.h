@@ -24,6 +24,11 @@ inline constexpr std::string_view kH5Joints = "joints_mm";   ///< N x 22 x 3 flo
 inline constexpr std::string_view kH5Intrinsics = "intrinsics";
 /// N int8: 0 = a right hand, 1 = a left one, -1 = not known; may be missing.
 inline constexpr std::string_view kH5Side = "side";
+/// N float64, when each frame was taken [s]: finite, never back within a sequence; may be missing.
+inline constexpr std::string_view kH5Time = "time_s";
+/// N int32, the number of each frame's sequence: at least 0, never back; missing: all frames are of sequence
+/// 0.
+inline constexpr std::string_view kH5Sequence = "sequence";
 
 /// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";

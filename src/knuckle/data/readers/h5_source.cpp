@@ -38,6 +38,7 @@ double depth_unit_of(const Hdf5File& file) {
 
 H5Source::H5Source(const std::filesystem::path& path)
     : file_(open_whole(path)),
+      bytes_(std::filesystem::file_size(path)),
       camera_(read_camera(file_)),
       depth_unit_mm_(depth_unit_of(file_)),
       first_index_(static_cast<std::int64_t>(file_.number_attribute("first_index"))),
@@ -57,7 +58,28 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
   if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsPerFrame});
   if (has_side_) require_shape(kH5Side, {count});
+  if (file_.has(kH5Time)) require_shape(kH5Time, {count});
+  if (file_.has(kH5Sequence)) require_shape(kH5Sequence, {count});
   size_ = static_cast<std::int64_t>(count);
+  timeline_ = read_timeline();
+}
+
+/// HDF5 takes zeros for what lies beyond the end of a file that was cut short after it was opened.
+void H5Source::require_unchanged() const {
+  std::error_code is_gone;  // then the open file is still whole
+  const std::uintmax_t bytes = std::filesystem::file_size(file_.path(), is_gone);
+  if (!is_gone && bytes != bytes_)
+    fail("{}: was changed while it was read: it has {} bytes, {} when it was opened", file_.path().string(),
+         bytes, bytes_);
+}
+
+Timeline H5Source::read_timeline() const {
+  Timeline timeline;
+  if (file_.has(kH5Time)) timeline.times_s = file_.read<double>(kH5Time).values;
+  if (file_.has(kH5Sequence)) timeline.sequences = file_.read<std::int32_t>(kH5Sequence).values;
+  if (const auto fault = fault_of(timeline))
+    fail("{}: frame {}: {}", file_.path().string(), fault->frame, fault->message);
+  return timeline;
 }
 
 void H5Source::require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const {
@@ -113,7 +135,9 @@ std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
 FrameLabel H5Source::read_label(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
   const Camera camera = read_frame_camera(row);
-  return {camera, read_truth(row, camera)};
+  std::optional<HandPose> truth = read_truth(row, camera);
+  require_unchanged();
+  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index)};
 }
 
 Frame H5Source::read(std::int64_t index) const {
@@ -135,6 +159,9 @@ Frame H5Source::read(std::int64_t index) const {
   }
   frame.truth = read_truth(row, frame.camera);
   frame.side = read_side(row);
+  frame.time_s = timeline_.time_s(index);
+  frame.sequence = timeline_.sequence(index);
+  require_unchanged();
   return frame;
 }
 

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "knuckle/data/frame_source.h"
+#include "knuckle/data/readers/timeline.h"
 #include "knuckle/storage/hdf5_file.h"
 
 namespace knuckle {
 
-/// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time.
+/// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time; a
+/// file that is cut short or replaced meanwhile is an Error of the frame that is read.
 class H5Source final : public FrameSource {
  public:
   /// Throws an Error that names the file where it is missing, cut short, no Knuckle dataset, of an unknown
@@ -23,13 +26,16 @@ class H5Source final : public FrameSource {
 
  private:
   void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
+  Timeline read_timeline() const;
+  void require_unchanged() const;
   std::uint64_t row_of(std::int64_t index) const;
   Camera read_frame_camera(std::uint64_t row) const;
   std::optional<HandSide> read_side(std::uint64_t row) const;
   std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
 
   Hdf5File file_;
-  Camera camera_;  ///< of the first frame
+  std::uintmax_t bytes_;  ///< of the file as it was opened
+  Camera camera_;         ///< of the first frame
   double depth_unit_mm_;
   std::int64_t first_index_;
   std::int64_t size_;
@@ -38,6 +44,7 @@ class H5Source final : public FrameSource {
   bool has_joints_;
   bool has_intrinsics_;
   bool has_side_;
+  Timeline timeline_;
 };
 
 }  // namespace knuckle

@@ -42,9 +42,11 @@ std::string LineIndex::line(std::int64_t index) const {
   if (index < 0 || index >= size())
     fail("{}: has {} entries, asked for entry {}", path_.string(), size(), index + 1);
   std::ifstream file(path_, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(starts_[static_cast<std::size_t>(index)]));
+  const std::uint64_t start = starts_[static_cast<std::size_t>(index)];
+  if (start > 0) file.seekg(static_cast<std::streamoff>(start - 1));
   std::string text;
-  if (!std::getline(file, text)) fail("{}: cannot be read", path_.string());
+  if ((start > 0 && file.get() != '\n') || !std::getline(file, text))
+    fail("{}: entry {} cannot be read; the file was changed while it was read", path_.string(), index + 1);
   if (text.ends_with('\r')) text.pop_back();
   return text;
 }

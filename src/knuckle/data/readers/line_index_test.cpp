@@ -38,6 +38,17 @@ TEST(LineIndex, NamesAMissingFile) {
   EXPECT_THAT(error_of([] { LineIndex("/tmp"); }), HasSubstr("/tmp"));
 }
 
+TEST(LineIndex, NoticesThatTheFileWasChanged) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "a.txt", "11\n22\n33\n");
+  const LineIndex lines(folder / "a.txt");
+  put_file(folder / "a.txt", "111\n22\n33\n");
+  EXPECT_THAT(error_of([&] { lines.line(1); }), HasSubstr("a.txt: entry 2 cannot be read"));
+  put_file(folder / "a.txt", "11\n22\n");
+  EXPECT_EQ(lines.line(1), "22");
+  EXPECT_THAT(error_of([&] { lines.line(2); }), HasSubstr("a.txt: entry 3 cannot be read"));
+}
+
 TEST(LineIndex, AnEmptyFileHasNoLines) {
   const testing::TemporaryFolder folder;
   put_file(folder / "empty.txt", "");

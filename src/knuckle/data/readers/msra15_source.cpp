@@ -115,7 +115,8 @@ std::optional<HandPose> Msra15Source::read_truth(const Gesture& gesture, const s
 
 FrameLabel Msra15Source::read_label(std::int64_t index) const {
   const Entry& entry = entries_.at(static_cast<std::size_t>(index));
-  return {kMsra15Camera, read_truth(gestures_[entry.gesture], entry.name)};
+  return {kMsra15Camera, read_truth(gestures_[entry.gesture], entry.name), std::nullopt,
+          static_cast<int>(entry.gesture)};
 }
 
 Frame Msra15Source::read(std::int64_t index) const {
@@ -127,6 +128,7 @@ Frame Msra15Source::read(std::int64_t index) const {
   frame.camera = kMsra15Camera;
   frame.depth_mm = read_msra15_depth(path);
   frame.truth = read_truth(gesture, entry.name);
+  frame.sequence = static_cast<int>(entry.gesture);
   return frame;
 }
 

@@ -18,6 +18,8 @@ namespace {
 struct Head {
   Camera camera;
   std::int8_t side;
+  double time_s;
+  std::int32_t sequence;
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm;
   std::array<std::uint64_t, 3> sizes;  ///< of depth, infrared, mask [bytes]
 };
@@ -44,7 +46,14 @@ std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& image) {
 }  // namespace
 
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where) {
-  StoredFrame stored{frame.camera, code_of(frame.side), joints_in_camera(frame), {}, {}, {}};
+  StoredFrame stored{frame.camera,
+                     code_of(frame.side),
+                     frame.time_s.value_or(kNaN),
+                     frame.sequence,
+                     joints_in_camera(frame),
+                     {},
+                     {},
+                     {}};
   stored.depth = chunk_of(counts_from_depth(frame.depth_mm, depth_unit_mm, where));
   if (!frame.infrared.empty()) stored.infrared = chunk_of(frame.infrared);
   if (!frame.mask.empty()) stored.mask = deflated(mask_from_pixels(frame.mask).pixels());
@@ -52,10 +61,9 @@ StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_v
 }
 
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame) {
-  const Head head{frame.camera,
-                  frame.side,
-                  frame.joints_mm,
-                  {frame.depth.size(), frame.infrared.size(), frame.mask.size()}};
+  const Head head{frame.camera,    frame.side,
+                  frame.time_s,    frame.sequence,
+                  frame.joints_mm, {frame.depth.size(), frame.infrared.size(), frame.mask.size()}};
   std::vector<std::uint8_t> bytes(sizeof(head));
   std::memcpy(bytes.data(), &head, sizeof(head));
   for (const auto* image : {&frame.depth, &frame.infrared, &frame.mask})
@@ -67,7 +75,7 @@ StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes) {
   Head head{};
   assert(bytes.size() >= sizeof(head));
   std::memcpy(&head, bytes.data(), sizeof(head));
-  StoredFrame frame{head.camera, head.side, head.joints_mm, {}, {}, {}};
+  StoredFrame frame{head.camera, head.side, head.time_s, head.sequence, head.joints_mm, {}, {}, {}};
   const std::uint8_t* place = bytes.data() + sizeof(head);
   std::size_t image = 0;
   for (auto* pixels : {&frame.depth, &frame.infrared, &frame.mask}) {

@@ -14,7 +14,9 @@ namespace knuckle {
 /// A frame as it will stand in a Knuckle dataset: its images as chunks of the file, compressed.
 struct StoredFrame {
   Camera camera;
-  std::int8_t side = 0;                                           ///< as in the file
+  std::int8_t side = 0;  ///< as in the file
+  double time_s = kNaN;  ///< NaN where it is not known
+  std::int32_t sequence = 0;
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};  ///< 22 x 3 in camera coordinates; NaN
   std::vector<std::uint8_t> depth;                                ///< counts, shuffled and deflated
   std::vector<std::uint8_t> infrared;                             ///< the same; empty where there is none

@@ -4,6 +4,7 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/folder_source.h"
 #include "knuckle/data/readers/image_io.h"
@@ -83,6 +84,100 @@ TEST_P(FolderRoundTrip, ReadsWhatWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Origins, FolderRoundTrip,
                          ::testing::Values(PixelOrigin::centre, PixelOrigin::corner));
+
+/// Six frames in two sequences, which begin at frames 0 and 4, of right hands.
+Frame timed_frame(std::int64_t index) {
+  Frame frame = noise_frame(small_camera(), convention_from_name("icg20"), static_cast<std::uint64_t>(index));
+  frame.time_s = 0.025 * static_cast<double>(index % 4);
+  frame.sequence = static_cast<int>(3 + index / 4);
+  frame.side = HandSide::right;
+  return frame;
+}
+
+TEST(Folder, KeepsTimesSequencesAndSide) {
+  const testing::TemporaryFolder folder;
+  FolderWriter writer(folder.path(), {});
+  parallel_for(6, [&](std::int64_t i) { writer.write(5 - i, timed_frame(5 - i)); });
+  writer.finish();
+  const FolderSource source(folder.path());
+  testing::expect_labels_like_frames(source);
+  for (std::int64_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(source.read(i).time_s, timed_frame(i).time_s);
+    EXPECT_EQ(source.read(i).sequence, i / 4);
+    EXPECT_EQ(source.read(i).side, HandSide::right);
+  }
+  const std::string description = read_text_file(folder / "dataset.toml");
+  EXPECT_THAT(description, AllOf(HasSubstr("side = \"right\""), HasSubstr("rate_hz = 40\n")));
+  fs::remove(folder / "times.txt");
+  EXPECT_EQ(FolderSource(folder.path()).read(5).time_s, 0.025) << "the rate says the same";
+}
+
+TEST(Folder, HandsOfBothSidesAreNotToldApart) {
+  const testing::TemporaryFolder folder;
+  FolderWriter writer(folder.path(), {});
+  for (std::int64_t i = 0; i < 2; ++i) {
+    Frame frame = timed_frame(i);
+    if (i == 1) frame.side = HandSide::left;
+    writer.write(i, frame);
+  }
+  writer.finish();
+  EXPECT_THAT(read_text_file(folder / "dataset.toml"), HasSubstr("side = \"both\""));
+  EXPECT_EQ(FolderSource(folder.path()).read(1).side, std::nullopt);
+}
+
+TEST(Folder, RefusesToWriteATimeThatGoesBackOrIsMissingInBetween) {
+  const testing::TemporaryFolder folder;
+  FolderWriter backwards(folder / "a", {});
+  Frame frame = timed_frame(1);
+  backwards.write(0, frame);
+  frame.time_s = 0.0;
+  backwards.write(1, frame);
+  EXPECT_THAT(error_of([&] { backwards.finish(); }), HasSubstr("frame 1: the time goes back"));
+  EXPECT_FALSE(fs::exists(folder / "a" / "dataset.toml"));
+  FolderWriter gap(folder / "b", {});
+  gap.write(0, frame);
+  frame.time_s.reset();
+  EXPECT_THAT(error_of([&] { gap.write(1, frame); }),
+              HasSubstr("frame 1 has no time, the frames before have one"));
+}
+
+TEST(Folder, AMistypedKeyIsNamedBeforeTheOneThatIsMissing) {
+  const testing::TemporaryFolder folder;
+  put_set(folder.path(), "[camera]\nwidht = 24\nheight = 18\nfx = 30\nfy = 30\ncx = 12\ncy = 9\n");
+  EXPECT_THAT(error_of_folder_set(folder.path()),
+              HasSubstr("dataset.toml:2: camera.widht: unknown key (did you mean 'width'?)"));
+  put_set(folder.path(), "[camra]\nwidth = 24\n");
+  EXPECT_THAT(error_of_folder_set(folder.path()), HasSubstr("camra: unknown key (did you mean 'camera'?)"));
+}
+
+TEST(Folder, AFileThatVanishesOrShrinksAfterOpeningIsAFaultOfItsFrame) {
+  const testing::TemporaryFolder folder;
+  FolderWriter writer(folder.path(), {});
+  for (std::int64_t i = 0; i < 3; ++i) writer.write(i, timed_frame(i));
+  writer.finish();
+  const FolderSource source(folder.path());
+  const fs::path image = folder / "depth" / "00000001.png";
+  testing::cut_file(image, fs::file_size(image) / 2);
+  fs::remove(folder / "mask" / "00000002.png");
+  EXPECT_THAT(error_of([&] { source.read(1); }), AllOf(HasSubstr("00000001.png"), HasSubstr("cut short")));
+  EXPECT_THAT(error_of([&] { source.read(2); }), HasSubstr("mask/00000002.png"));
+  EXPECT_NO_THROW(source.read(0));
+  const fs::path joints = folder / "joints.txt";
+  testing::cut_file(joints, fs::file_size(joints) / 2);
+  EXPECT_NO_THROW(source.read_label(0));
+  EXPECT_THAT(error_of([&] { source.read_label(2); }), HasSubstr("joints.txt"));
+  fs::remove(joints);
+  EXPECT_THAT(error_of([&] { source.read_label(0); }), HasSubstr("joints.txt"));
+}
+
+TEST(Folder, AFrameOfAnotherSizeAmongOthersIsAFaultOfItsOwn) {
+  const testing::TemporaryFolder folder;
+  put_set(folder.path());
+  write_png(folder / "depth" / "b.png", Image<std::uint16_t>(30, 18, 500));
+  const FolderSource source(folder.path());
+  EXPECT_NO_THROW(source.read(0));
+  EXPECT_THAT(error_of([&] { source.read(1); }), AllOf(HasSubstr("b.png"), HasSubstr("30x18")));
+}
 
 TEST(Folder, WritesFramesWithoutTruthInfraredAndMask) {
   const testing::TemporaryFolder folder;

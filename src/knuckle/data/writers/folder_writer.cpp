@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/writers/folder_writer.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -39,26 +40,47 @@ void FolderWriter::write(std::int64_t index, const Frame& frame) {
     make_folder(folder_ / "mask");
     write_png(folder_ / "mask" / name, mask);
   }
-  keep_truth(index, frame.truth);
+  keep(index, frame);
   ledger_.note_written(index);
 }
 
-void FolderWriter::keep_truth(std::int64_t index, const std::optional<HandPose>& truth) {
+void FolderWriter::keep(std::int64_t index, const Frame& frame) {
   const std::lock_guard lock(mutex_);
-  if (truth) {
-    if (!convention_) convention_ = truth->convention;
-    if (truth->convention != *convention_) {
+  if (frame.truth) {
+    if (!convention_) convention_ = frame.truth->convention;
+    if (frame.truth->convention != *convention_) {
       fail("{}: frame {} is labelled in {}, frames before in {}", folder_.string(), index,
-           truth->convention.name, convention_->name);
+           frame.truth->convention.name, convention_->name);
     }
   }
-  truth_[index] = truth;
+  frames_[index] = {frame.truth, frame.side, frame.time_s, frame.sequence};
+}
+
+Timeline FolderWriter::timeline() const {
+  Timeline timeline;
+  for (const auto& [index, frame] : frames_) {
+    if (frame.time_s) timeline.times_s.push_back(*frame.time_s);
+    timeline.sequences.push_back(frame.sequence);
+  }
+  return timeline;
+}
+
+/// right, left or both; empty where that of any frame is not known.
+std::string FolderWriter::side() const {
+  const auto all_are = [this](auto&&... sides) {
+    return std::ranges::all_of(frames_, [&](const auto& entry) {
+      return entry.second.side && ((*entry.second.side == sides) || ...);
+    });
+  };
+  if (all_are(HandSide::right)) return "right";
+  if (all_are(HandSide::left)) return "left";
+  return all_are(HandSide::right, HandSide::left) ? "both" : "";
 }
 
 std::string FolderWriter::joints_as_text() const {
   std::string text;
-  for (const auto& [index, truth] : truth_) {
-    const HandPose pose = with_pixel_origin(truth.value_or(HandPose::missing(*convention_)),
+  for (const auto& [index, frame] : frames_) {
+    const HandPose pose = with_pixel_origin(frame.truth.value_or(HandPose::missing(*convention_)),
                                             PixelOrigin::centre, options_.pixel_origin);
     std::string_view blank;
     for (const ImagePoint& joint : pose.joints) {
@@ -80,9 +102,12 @@ void FolderWriter::finish() {
   }
   const std::lock_guard lock(mutex_);
   if (convention_) write_text_file(folder_ / "joints.txt", joints_as_text());
-  write_text_file(folder_ / "dataset.toml",
-                  folder_description_as_toml({convention_, options_.depth_unit_mm, options_.pixel_origin,
-                                              ledger_.layout()->camera}));
+  const Timeline times = timeline();
+  write_timeline(folder_, times);
+  write_text_file(
+      folder_ / "dataset.toml",
+      folder_description_as_toml({convention_, options_.depth_unit_mm, options_.pixel_origin,
+                                  ledger_.layout()->camera, side(), regular_rate_hz(times).value_or(0.0)}));
 }
 
 }  // namespace knuckle

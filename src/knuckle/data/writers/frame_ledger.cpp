@@ -30,7 +30,7 @@ FrameLayout checked_layout(const Frame& frame, std::string_view where) {
   require_camera_size(frame.depth_mm, frame.camera, "depth", where);
   if (!frame.infrared.empty()) require_camera_size(frame.infrared, frame.camera, "infrared", where);
   if (!frame.mask.empty()) require_camera_size(frame.mask, frame.camera, "mask", where);
-  return {frame.camera, !frame.infrared.empty(), !frame.mask.empty()};
+  return {frame.camera, !frame.infrared.empty(), !frame.mask.empty(), frame.time_s.has_value()};
 }
 
 }  // namespace
@@ -47,6 +47,9 @@ void FrameLedger::enter(std::int64_t index, const Frame& frame) {
   const FrameLayout layout = checked_layout(frame, where);
   const Lock lock(mutex_);
   if (!layout_) layout_ = layout;
+  if (layout.has_time != layout_->has_time)
+    fail("{} has {} time, the frames before have {}", where, layout.has_time ? "a" : "no",
+         layout_->has_time ? "one" : "none");
   if (!fit_together(layout, *layout_, cameras_))
     fail("{} has another camera or other images than the frames before", where);
   if (!entered_.insert(index).second) fail("{} comes twice", where);

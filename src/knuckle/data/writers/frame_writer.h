@@ -15,9 +15,9 @@ namespace knuckle {
 
 /// Writes frames as a data set that the reader of the same name opens.
 ///
-/// All frames share one camera (h5: its size, model and distortion), and all or none have infrared and mask.
-/// A file appears under its name only when whole; the set is whole after `finish`, and no reader takes it for
-/// one before.
+/// All frames share one camera (h5: its size, model and distortion), and all or none have infrared, a mask
+/// and a time. A file appears under its name only when whole; the set is whole after `finish`, and no reader
+/// takes it for one before.
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
+#include <limits>
 #include <memory>
 
 #include "knuckle/core/parallel.h"
@@ -35,6 +36,8 @@ FrameWriterOptions options_for(std::int64_t first, std::int64_t count,
 Frame noisy_frame(std::int64_t index) {
   Frame frame = noise_frame(small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
   if (index % 3 != 0) frame.side = index % 3 == 1 ? HandSide::left : HandSide::right;
+  frame.time_s = 0.04 * static_cast<double>(index % 10);
+  frame.sequence = static_cast<int>(index / 10);
   return frame;
 }
 
@@ -53,6 +56,8 @@ void expect_frames(const fs::path& path, std::int64_t first, std::int64_t count)
     EXPECT_EQ(actual.name, fmt::format("{:08}", first + i));
     EXPECT_EQ(actual.camera, expected.camera);
     EXPECT_EQ(actual.side, expected.side);
+    EXPECT_EQ(actual.time_s, expected.time_s);
+    EXPECT_EQ(actual.sequence, expected.sequence);
     testing::expect_near(actual.depth_mm, expected.depth_mm, 0.0501);
     EXPECT_EQ(actual.infrared, expected.infrared);
     EXPECT_EQ(actual.mask, expected.mask);
@@ -83,6 +88,53 @@ TEST(H5, StatesWhatOtherProgramsNeed) {
   EXPECT_THAT(file.text_attribute("landmarks"), HasSubstr("wrist, palm, thumb_cmc"));
   EXPECT_EQ(file.shape("depth"), (std::vector<std::uint64_t>{2, 18, 24}));
   EXPECT_EQ(file.shape("joints_mm"), (std::vector<std::uint64_t>{2, 22, 3}));
+}
+
+TEST(H5, KeepsWhatHasNoTimes) {
+  const testing::TemporaryFolder folder;
+  Frame frame = noisy_frame(0);
+  frame.time_s.reset();
+  H5Writer writer(folder / "a.h5", options_for(0, 2));
+  writer.write(0, frame);
+  EXPECT_THAT(error_of([&] { writer.write(1, noisy_frame(1)); }),
+              HasSubstr("frame 1 has a time, the frames before have none"));
+  writer.write(1, frame);
+  writer.finish();
+  EXPECT_EQ(H5Source(folder / "a.h5").read(1).time_s, std::nullopt);
+  EXPECT_FALSE(Hdf5File::open(folder / "a.h5").has(kH5Time));
+}
+
+TEST(H5, RefusesToWriteATimeThatGoesBack) {
+  const testing::TemporaryFolder folder;
+  H5Writer writer(folder / "a.h5", options_for(0, 2));
+  writer.write(0, noisy_frame(1));
+  writer.write(1, noisy_frame(0));
+  EXPECT_THAT(error_of([&] { writer.finish(); }), HasSubstr("a.h5: frame 1: the time goes back"));
+  EXPECT_FALSE(fs::exists(folder / "a.h5"));
+}
+
+TEST(H5, AFileThatShrinksOrGrowsAfterOpeningIsAFaultOfEveryFrame) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  for (const double share : {0.3, 0.7, 0.99, 1.1}) {
+    write_set(path, 0, 12);
+    const H5Source source(path);
+    const auto bytes = static_cast<double>(fs::file_size(path));
+    fs::resize_file(path, static_cast<std::uintmax_t>(share * bytes));
+    for (std::int64_t i = 0; i < 12; ++i) {
+      EXPECT_THAT(error_of([&] { source.read(i); }), HasSubstr("a.h5")) << share << " of it, frame " << i;
+      EXPECT_THAT(error_of([&] { source.read_label(i); }), HasSubstr("a.h5"))
+          << share << " of it, frame " << i;
+    }
+  }
+}
+
+TEST(H5, AFileThatVanishesAfterOpeningIsReadToTheEnd) {
+  const testing::TemporaryFolder folder;
+  write_set(folder / "a.h5", 0, 3);
+  const H5Source source(folder / "a.h5");
+  fs::remove(folder / "a.h5");
+  for (std::int64_t i = 0; i < 3; ++i) EXPECT_EQ(source.read(i).infrared, noisy_frame(i).infrared);
 }
 
 TEST(H5, HoldsALongManifest) {
@@ -263,6 +315,21 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
                 file.write_rows(kH5Side, 0, 1, &third_hand);
               }),
               AllOf(HasSubstr("a.h5: frame 0"), HasSubstr("side is 2")));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const double back[] = {1.0, 0.5};
+                file.write_rows(kH5Time, 0, 2, back);
+              }),
+              HasSubstr("a.h5: frame 1: the time goes back from 1 to 0.5 s"));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const double never = std::numeric_limits<double>::quiet_NaN();
+                file.write_rows(kH5Time, 2, 1, &never);
+              }),
+              HasSubstr("a.h5: frame 2: the time is nan"));
+  EXPECT_THAT(error_after([](Hdf5File& file) {
+                const std::int32_t below = -1;
+                file.write_rows(kH5Sequence, 0, 1, &below);
+              }),
+              HasSubstr("a.h5: frame 0: the sequence is -1"));
   EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("format", "knuckle-body"); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("knuckle-body")));
   EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("width", 25); }),
@@ -296,13 +363,16 @@ TEST(H5, RefusesEachArrayOfAnotherShape) {
     file.write<std::uint16_t>(kH5Mask, {rows(kH5Mask), 18, 24}, pixels.data());
     file.write<float>(kH5Joints, {rows(kH5Joints), 22, 3}, std::vector<float>(198, 500.0f).data());
     file.write<double>(kH5Intrinsics, {rows(kH5Intrinsics), 4}, std::vector<double>(12, 30.0).data());
+    file.write<double>(kH5Time, {rows(kH5Time)}, std::vector<double>(3, 0.5).data());
+    file.write<std::int32_t>(kH5Sequence, {rows(kH5Sequence)}, std::vector<std::int32_t>(3).data());
     file.close();
   };
   write_with_wrong("");
   EXPECT_EQ(H5Source(path).read(1).camera.fx, 30.0);
-  for (const std::string_view array : {kH5Infrared, kH5Mask, kH5Joints, kH5Intrinsics}) {
+  for (const std::string_view array :
+       {kH5Infrared, kH5Mask, kH5Joints, kH5Intrinsics, kH5Time, kH5Sequence}) {
     write_with_wrong(array);
-    EXPECT_THAT(error_of_h5_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3 x ", array)));
+    EXPECT_THAT(error_of_h5_set(path), HasSubstr(fmt::format("a.h5: {}: has the shape 3", array)));
   }
 }
 

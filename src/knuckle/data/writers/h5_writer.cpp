@@ -2,6 +2,7 @@
 #include "knuckle/data/writers/h5_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/landmarks.h"
+#include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/readers/h5_format.h"
@@ -81,7 +83,7 @@ void H5Writer::restore() {
   const std::vector<std::int64_t> indices = log_.indices();
   if (indices.empty()) return;
   const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
-  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty()},
+  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !std::isnan(frame.time_s)},
                   {indices.begin(), indices.end()});
 }
 
@@ -104,27 +106,53 @@ void H5Writer::create_arrays(Hdf5File& file) const {
   file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
   file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
   file.create_dataset<std::int8_t>(kH5Side, {count}, {});
+  if (layout.has_time) file.create_dataset<double>(kH5Time, {count}, {});
+  file.create_dataset<std::int32_t>(kH5Sequence, {count}, {});
+}
+
+std::vector<StoredFrame> H5Writer::read_back(std::int64_t first, std::int64_t count) const {
+  std::vector<StoredFrame> frames(static_cast<std::size_t>(count));
+  parallel_for(count, [&](std::int64_t i) {
+    frames[static_cast<std::size_t>(i)] = stored_frame_from(log_.read(options_.first + first + i));
+  });
+  return frames;
 }
 
 void H5Writer::write_frames(Hdf5File& file) const {
+  constexpr std::int64_t kFramesAtOnce = 256;
+  const bool has_time = ledger_.layout()->has_time;
   RowBlock<float> joints(file, kH5Joints);
   RowBlock<double> intrinsics(file, kH5Intrinsics);
   RowBlock<std::int8_t> sides(file, kH5Side);
+  Timeline timeline;
   Progress progress("assemble", "frames", options_.count);
-  for (std::int64_t i = 0; i < options_.count; ++i) {
-    const StoredFrame frame = stored_frame_from(log_.read(options_.first + i));
-    const auto row = static_cast<std::uint64_t>(i);
-    file.write_chunk(kH5Depth, row, frame.depth);
-    if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
-    if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
-    joints.add(frame.joints_mm);
-    intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
-    sides.add(std::array{frame.side});
-    progress.advance();
+  for (std::int64_t first = 0; first < options_.count; first += kFramesAtOnce) {
+    std::int64_t index = first;
+    for (const StoredFrame& frame : read_back(first, std::min(kFramesAtOnce, options_.count - first))) {
+      const auto row = static_cast<std::uint64_t>(index++);
+      file.write_chunk(kH5Depth, row, frame.depth);
+      if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
+      if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
+      joints.add(frame.joints_mm);
+      intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
+      sides.add(std::array{frame.side});
+      if (has_time) timeline.times_s.push_back(frame.time_s);
+      timeline.sequences.push_back(frame.sequence);
+      progress.advance();
+    }
   }
   joints.write();
   intrinsics.write();
   sides.write();
+  write_timeline(file, timeline);
+}
+
+void H5Writer::write_timeline(Hdf5File& file, const Timeline& timeline) const {
+  if (const auto fault = fault_of(timeline))
+    fail("{}: frame {}: {}", path_.string(), options_.first + fault->frame, fault->message);
+  const auto count = static_cast<std::uint64_t>(options_.count);
+  if (!timeline.times_s.empty()) file.write_rows(kH5Time, 0, count, timeline.times_s.data());
+  file.write_rows(kH5Sequence, 0, count, timeline.sequences.data());
 }
 
 void H5Writer::write_whole(const fs::path& path) const {

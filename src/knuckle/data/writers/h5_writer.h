@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/stored_frame.h"
+#include "knuckle/data/readers/timeline.h"
 #include "knuckle/data/writers/frame_ledger.h"
 #include "knuckle/data/writers/frame_writer.h"
 #include "knuckle/storage/hdf5_file.h"
@@ -28,7 +30,10 @@ class H5Writer final : public FrameWriter {
   void restore();
   void write_whole(const std::filesystem::path& path) const;
   void create_arrays(Hdf5File& file) const;
+  /// Frames [first, first + count) of the set, from the log.
+  std::vector<StoredFrame> read_back(std::int64_t first, std::int64_t count) const;
   void write_frames(Hdf5File& file) const;
+  void write_timeline(Hdf5File& file, const Timeline& timeline) const;
 
   std::filesystem::path path_;
   FrameWriterOptions options_;
