@@ -14,6 +14,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 
 const std::string kSources =
     "source = 'synthetic:{0}?count=12'\nvalidation = 'synthetic:{0}?first=12&count=4'\n";
@@ -51,6 +52,14 @@ class NetworkTest : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+TEST_F(NetworkTest, ADeviceThatIsNotThereIsSaidBeforeAnythingIsDone) {
+  write_text_file(path("net.pt.checkpoint"), "of an earlier training");
+  EXPECT_THAT(train(config(), {"--device", "abacus"}),
+              FailedWith("device is \"abacus\", expected cpu or cuda"));
+  EXPECT_EQ(read_text_file(path("net.pt.checkpoint")), "of an earlier training");
+  EXPECT_THAT(entries_of(folder_.path()), UnorderedElementsAre("net.pt.checkpoint", "train.toml"));
+}
 
 TEST_F(NetworkTest, IsTrainedAndFindsPoses) {
   ASSERT_THAT(train(config()), Succeeded());

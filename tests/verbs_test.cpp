@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::Not;
 using ::testing::StartsWith;
 
@@ -61,6 +62,30 @@ TEST_F(VerbsTest, WrongUsageEndsWithStatusTwo) {
     EXPECT_EQ(run.status, 2) << ::testing::PrintToString(arguments) << run.error;
     EXPECT_FALSE(run.error.empty());
   }
+}
+
+TEST_F(VerbsTest, MistypedWordsAreNamedWithTheNearestThatIsKnown) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"estimat", "--source", "x"}, "unknown verb 'estimat' (did you mean 'estimate'?); `knuckle --help`"},
+      {{"estimate", "--sorce", "x"},
+       "unknown option '--sorce' (did you mean '--source'?); `knuckle estimate --help`"},
+      {{"estimate", "--sorce=x", "--out", "y"}, "unknown option '--sorce' (did you mean '--source'?)"},
+      {{"train", "netwrk"}, "unknown verb 'netwrk' (did you mean 'network'?); `knuckle train --help`"},
+      {{"info", "--colour"}, "unknown option '--colour'; `knuckle info --help`"},
+      {{"info", "everything"}, "unknown argument 'everything'; `knuckle info --help`"},
+      {{"qwertz"}, "unknown verb 'qwertz'; `knuckle --help`"}};
+  for (const auto& [arguments, message] : cases) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 2) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(run.error, StartsWith("knuckle: " + message));
+    EXPECT_EQ(std::ranges::count(run.error, '\n'), 1) << run.error;
+  }
+}
+
+TEST_F(VerbsTest, TheVersionIsASemanticOne) {
+  const ProgramRun run = run_program({"--version"});
+  EXPECT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, MatchesRegex("knuckle [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
 TEST_F(VerbsTest, InfoListsEveryMethodByKind) {

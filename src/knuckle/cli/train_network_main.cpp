@@ -12,6 +12,7 @@
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/training/network_training_config.h"
+#include "knuckle/training/torch_device.h"
 
 namespace knuckle::cli {
 namespace {
@@ -66,6 +67,7 @@ NetworkTrainingRun run_of(const NetworkArguments& arguments) {
 }
 
 void train_network(const NetworkArguments& arguments) {
+  device_from_name(arguments.device);  // before frames are rendered and an earlier checkpoint is removed
   const auto config = NetworkTrainingConfig::load(arguments.config);
   check_writable(arguments.out);
   const NetworkTrainingRun run = run_of(arguments);

@@ -10,6 +10,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/core/suggestion.h"
 #include "knuckle/pipeline/run.h"
 #include "knuckle/storage/file_io.h"
 
@@ -22,6 +23,55 @@ constexpr int kWrongUsage = 2;
 std::vector<std::string>& remembered_arguments() {
   static std::vector<std::string> arguments;
   return arguments;
+}
+
+/// The verb that was typed, or the program itself where none was understood.
+const CLI::App& innermost_verb(const CLI::App& program) {
+  const CLI::App* verb = &program;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().back();
+  return *verb;
+}
+
+std::vector<std::string> option_names(const CLI::App& verb) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::vector<std::string> verb_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : program.get_subcommands({})) names.push_back(verb->get_name());
+  return names;
+}
+
+/// The first word of the command line that the program does not know, with the nearest one that it does;
+/// empty where it knows all.
+std::string unknown_word(const CLI::App& program) {
+  const CLI::App& verb = innermost_verb(program);
+  const std::vector<std::string> unknown = verb.remaining();
+  if (unknown.empty()) return {};
+  const std::string word = unknown.front().substr(0, unknown.front().find('='));
+  const bool is_option = word.starts_with("-");
+  const std::vector<std::string> known = is_option ? option_names(verb) : verb_names(verb);
+  const std::string help =
+      &verb == &program ? "knuckle --help" : fmt::format("knuckle {} --help", verb.get_name());
+  return fmt::format("unknown {} '{}'{}; `{}` lists what there is",
+                     is_option       ? "option"
+                     : known.empty() ? "argument"
+                                     : "verb",
+                     word, suggestion(word, known), help);
+}
+
+/// Says what is wrong with the command line, or prints the help that was asked for. Returns the exit status.
+int explain(const CLI::App& program, const CLI::ParseError& error) {
+  const bool may_be_mistyped = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+                               error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+  const std::string unknown = may_be_mistyped ? unknown_word(program) : std::string();
+  if (unknown.empty()) return program.exit(error) == 0 ? 0 : kWrongUsage;
+  fmt::print(stderr, "knuckle: {}\n", unknown);
+  return kWrongUsage;
 }
 
 }  // namespace
@@ -62,12 +112,13 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
     CLI::App program(description);
     program.name("knuckle");
     program.require_subcommand(1);
+    program.set_version_flag("--version", "knuckle " KNUCKLE_VERSION, "Print the version and exit");
     remembered_arguments().assign(arguments, arguments + count);
     add_verbs(program);
     try {
       program.parse(count, arguments);
     } catch (const CLI::ParseError& error) {
-      return program.exit(error) == 0 ? 0 : kWrongUsage;
+      return explain(program, error);
     }
     return 0;
   } catch (const std::bad_alloc&) {

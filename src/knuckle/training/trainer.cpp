@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <torch/cuda.h>
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
@@ -14,6 +13,7 @@
 #include "knuckle/training/network_validation.h"
 #include "knuckle/training/network_writer.h"
 #include "knuckle/training/norm_statistics.h"
+#include "knuckle/training/torch_device.h"
 
 namespace knuckle {
 namespace {
@@ -25,13 +25,6 @@ constexpr int64_t kMetricsColumns = 8;
 constexpr double kAverageDelay = 10.0;
 /// Batches that the averaged network's norms are measured over.
 constexpr int kNormBatches = 40;
-
-torch::Device device_of(const std::string& name) {
-  if (name == "cpu") return {torch::kCPU};
-  if (name != "cuda") fail("device is \"{}\", expected cpu or cuda", name);
-  if (!torch::cuda::is_available()) fail("device cuda: this LibTorch has none");
-  return {torch::kCUDA};
-}
 
 torch::Tensor as_tensor(const std::vector<TrainingMetrics>& metrics) {
   std::vector<double> values;
@@ -80,7 +73,7 @@ Trainer::Trainer(const NetworkOptions& network, const NetworkTrainingOptions& op
       training_(training),
       validation_(validation),
       run_(run),
-      device_(device_of(run.device)),
+      device_(device_from_name(run.device)),
       step_count_(steps_of(training.size(), options)),
       network_(network, options.seed, options.shards, device_),
       averaged_(make_network(network, options.seed)),
