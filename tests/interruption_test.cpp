@@ -5,8 +5,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include <sys/mount.h>
-
 #include "knuckle/core/text_file.h"
 #include "knuckle/storage/file_io.h"
 
@@ -108,6 +106,17 @@ TEST_F(InterruptionTest, ARemainderOfAnotherManifestIsRefused) {
   EXPECT_TRUE(is_like_whole(out));
 }
 
+TEST_F(InterruptionTest, ARenderingThatIsAskedToEndKeepsItsFramesAndGoesOn) {
+  const std::string out = path("set.h5");
+  const ProgramRun run = run_program_until(
+      [&] { return size_of(out + ".partial") > size_of(path("whole.h5")) / 3; }, rendering(out), SIGINT);
+  EXPECT_THAT(run, FailedWith("interrupted after "));
+  EXPECT_THAT(run.error, HasSubstr(" of 40 frames; the same command goes on"));
+  EXPECT_GT(size_of(out + ".partial"), 0u);
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+}
+
 TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("set.h5");
   const auto kilobytes = static_cast<int>(size_of(path("whole.h5")) / 2000);
@@ -118,21 +127,6 @@ TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   EXPECT_TRUE(is_like_whole(out));
 }
 
-/// A disk of its own, in memory; needs a privilege that not every machine grants.
-class SmallDisk {
- public:
-  explicit SmallDisk(fs::path place) : place_(std::move(place)) { make_folder(place_); }
-  ~SmallDisk() { ::umount(place_.c_str()); }
-
-  bool mount(int kilobytes, unsigned long flags = 0) const {
-    const std::string size = fmt::format("size={}k", kilobytes);
-    return ::mount("tmpfs", place_.c_str(), "tmpfs", flags, size.c_str()) == 0;
-  }
-
- private:
-  fs::path place_;
-};
-
 TEST_F(InterruptionTest, ARealDiskThatFillsUpIsOneLineAndTheNextRunGoesOn) {
   const auto whole = static_cast<int>(size_of(path("whole.h5")) / 1000);
   const SmallDisk disk(path("disk"));
@@ -140,10 +134,10 @@ TEST_F(InterruptionTest, ARealDiskThatFillsUpIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("disk/set.h5");
   EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while frames are rendered";
   EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
-  ASSERT_TRUE(disk.mount(whole * 3 / 2, MS_REMOUNT));
+  ASSERT_TRUE(disk.resize(whole * 3 / 2));
   EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while the file is put together";
   EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
-  ASSERT_TRUE(disk.mount(whole * 4, MS_REMOUNT));
+  ASSERT_TRUE(disk.resize(whole * 4));
   ASSERT_THAT(run_program(rendering(out)), Succeeded());
   EXPECT_TRUE(is_like_whole(out));
 }

@@ -10,7 +10,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/start.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {

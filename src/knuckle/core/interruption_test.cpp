@@ -14,6 +14,7 @@ namespace {
 
 class InterruptionTest : public ::testing::Test {
  protected:
+  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
   void TearDown() override { set_interrupted(false); }
 };
 
