@@ -5,7 +5,6 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/interruption.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/pipeline/estimate_files.h"
 #include "knuckle/prepare/inputs.h"
@@ -76,7 +75,6 @@ void run_estimate(const EstimateArguments& arguments) {
   for (const auto& path : {arguments.out, arguments.records, arguments.json}) {
     if (!path.empty()) check_writable(path);
   }
-  watch_for_interruption();
   const auto source = open_source(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
   warn_of_replacement(arguments);

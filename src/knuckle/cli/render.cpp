@@ -75,7 +75,6 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source, s
 
 void run_render(const RenderArguments& arguments) {
   if (arguments.out.empty() && arguments.sheet.empty()) throw CLI::RequiredError("--out or --contact-sheet");
-  watch_for_interruption();
   const auto source = open_synthetic(arguments.manifest);
   const std::int64_t count = frames_to_render(arguments, source->size());
   if (!arguments.out.empty()) write_frames(arguments, *source, count);

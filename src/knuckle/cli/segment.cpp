@@ -45,7 +45,6 @@ std::vector<FrameSegmentation> segment_until_interrupted(const SegmentArguments&
 void run_segment(const SegmentArguments& arguments) {
   check_writable(arguments.out);
   if (!arguments.json.empty()) check_writable(arguments.json);
-  watch_for_interruption();
   const auto source = open_source(arguments.source);
   const HandFinder finder = HandFinder::load(arguments.pipeline);
   const std::vector<FrameSegmentation> frames = segment_until_interrupted(arguments, *source, finder);

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/storage/file_io.h"
@@ -64,6 +65,7 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
     program.require_subcommand(1);
     remembered_arguments().assign(arguments, arguments + count);
     add_verbs(program);
+    watch_for_interruption();
     try {
       program.parse(count, arguments);
     } catch (const CLI::ParseError& error) {

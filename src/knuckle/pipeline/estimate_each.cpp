@@ -28,7 +28,7 @@ FrameResult result_of(std::int64_t index, const Frame& frame, const Pipeline& pi
 FrameResult unreadable(std::int64_t index, std::string fault) {
   FrameResult result;
   result.index = index;
-  result.estimate.status = "the frame cannot be read";
+  result.estimate.status = fmt::format("the frame cannot be read: {}", fault);
   result.fault = std::move(fault);
   return result;
 }

@@ -62,7 +62,7 @@ void write_frames_without_hand(std::ostream& out, const VisitNotes& notes) {
   std::int64_t frame = 0;
   notes([&](const FrameNote& note) {
     if (note.confidence.empty()) {
-      frames.add({{"frame", frame}, {"reason", note.fault.empty() ? note.status : note.fault}});
+      frames.add({{"frame", frame}, {"reason", note.status}});
     }
     ++frame;
   });
