@@ -91,8 +91,8 @@ class Child {
   }
 
  private:
-  /// Until there is something to read, or the end. Where we are asked to end and the child was not (Ctrl-C in a
-  /// terminal reaches both), it is asked after a while.
+  /// Until there is something to read, or the end. Where we are asked to end and the child was not (Ctrl-C in
+  /// a terminal reaches both), it is asked after a while.
   void wait_for_output() {
     constexpr int kLookMs = 100;
     constexpr int kGraceMs = 3000;
