@@ -117,6 +117,40 @@ TEST_F(InterruptionTest, ARenderingThatIsAskedToEndKeepsItsFramesAndGoesOn) {
   EXPECT_TRUE(is_like_whole(out));
 }
 
+TEST_F(InterruptionTest, ASegmentationThatIsAskedToEndKeepsItsFrames) {
+  write_text_file(path("long.toml"), "frames = 100000\n[body]\npeople = 1\n");
+  const std::string out = path("boxes.csv");
+  int looks = 0;
+  const ProgramRun run =
+      run_program_until([&] { return ++looks > 2000; },  // about half a second
+                        {"segment", "--source", "synthetic:" + path("long.toml"), "--out", out}, SIGTERM);
+  EXPECT_THAT(run, FailedWith("interrupted after "));
+  const auto frames = read_lines(out + ".partial").size() - 1;
+  EXPECT_THAT(run.error,
+              HasSubstr(fmt::format("after {} of 100000 frames, kept in {}.partial", frames, out)));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(InterruptionTest, ATrainingThatIsAskedToEndGoesOnFromItsSplits) {
+  const std::string source = "synthetic:" + fs::absolute(kDemoManifest).string() + "?count=40";
+  write_text_file(path("train.toml"),
+                  "source = '" + source + "'\n[forest]\ntrees = 3\nsplits_per_node = 2000\n");
+  const auto training = [&](const std::string& out) {
+    return std::vector<std::string>{"train", "pose-forest", "--config", path("train.toml"),
+                                    "--out", path(out)};
+  };
+  ASSERT_THAT(run_program(training("whole_forest.h5")), Succeeded());
+  std::vector<std::string> arguments = training("forest.h5");
+  const ProgramRun run =
+      run_program_until([&] { return fs::exists(path("forest.h5.checkpoint")); }, arguments, SIGINT);
+  ASSERT_THAT(run, FailedWith("interrupted after "));
+  EXPECT_THAT(run.error, HasSubstr(" of 3 trees; continue with --resume"));
+  EXPECT_FALSE(fs::exists(path("forest.h5")));
+  arguments.emplace_back("--resume");
+  ASSERT_THAT(run_program(arguments), Succeeded());
+  EXPECT_TRUE(read_text_file(path("forest.h5")) == read_text_file(path("whole_forest.h5")));
+}
+
 TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("set.h5");
   const auto kilobytes = static_cast<int>(size_of(path("whole.h5")) / 2000);
