@@ -12,6 +12,7 @@
 #include "knuckle/core/progress.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/pipeline/estimate_all.h"
+#include "knuckle/pipeline/record_of.h"
 #include "knuckle/storage/file_io.h"
 
 namespace fs = std::filesystem;
@@ -95,7 +96,7 @@ std::vector<std::string> pieces_of(const FrameResult& result, const EstimateFile
   for (int hand = 0; hand < pipeline.hand().max_hands; ++hand) {
     pieces.push_back(pose_line(pose_of(result.estimate, pipeline.convention(), hand), origin));
   }
-  if (!files.records.empty()) pieces.push_back("");
+  if (!files.records.empty()) pieces.push_back(to_json_line(record_of(result, origin)) + "\n");
   return pieces;
 }
 
