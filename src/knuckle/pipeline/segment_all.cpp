@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "knuckle/core/ordered_work.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/core/statistics.h"
 #include "knuckle/pipeline/stopwatch.h"
 
 namespace knuckle {
@@ -43,11 +45,8 @@ FrameSegmentation best_of(const Segmentation& segmentation, const Frame& frame, 
   return best;
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+double median_or_zero(std::vector<double> values) {
+  return values.empty() ? 0.0 : upper_median(std::span(values));
 }
 
 FrameSegmentation segmentation_of(const Frame& frame, const HandFinder& finder, Start start) {
@@ -102,12 +101,12 @@ std::string summary_json(std::span<const FrameSegmentation> frames, std::string_
   summary["source"] = source_name;
   summary["frames"] = frames.size();
   summary["found"] = std::ranges::count_if(frames, &FrameSegmentation::found);
-  summary["median_ms"] = median_of(times);
+  summary["median_ms"] = median_or_zero(std::move(times));
   if (!overlaps.empty()) {
     const double sum = std::accumulate(overlaps.begin(), overlaps.end(), 0.0);
     summary["mask"] = {{"frames", overlaps.size()},
                        {"mean_iou", sum / static_cast<double>(overlaps.size())},
-                       {"median_iou", median_of(overlaps)},
+                       {"median_iou", median_or_zero(overlaps)},
                        {"pixel_iou", all.iou()}};
   }
   return summary.dump(2) + "\n";
