@@ -5,8 +5,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include <sys/mount.h>
-
 #include "knuckle/core/text_file.h"
 #include "knuckle/storage/file_io.h"
 
@@ -108,6 +106,51 @@ TEST_F(InterruptionTest, ARemainderOfAnotherManifestIsRefused) {
   EXPECT_TRUE(is_like_whole(out));
 }
 
+TEST_F(InterruptionTest, ARenderingThatIsAskedToEndKeepsItsFramesAndGoesOn) {
+  const std::string out = path("set.h5");
+  const ProgramRun run = run_program_until(
+      [&] { return size_of(out + ".partial") > size_of(path("whole.h5")) / 3; }, rendering(out), SIGINT);
+  EXPECT_THAT(run, FailedWith("interrupted after "));
+  EXPECT_THAT(run.error, HasSubstr(" of 40 frames; the same command goes on"));
+  EXPECT_GT(size_of(out + ".partial"), 0u);
+  ASSERT_THAT(run_program(rendering(out)), Succeeded());
+  EXPECT_TRUE(is_like_whole(out));
+}
+
+TEST_F(InterruptionTest, ASegmentationThatIsAskedToEndKeepsItsFrames) {
+  write_text_file(path("long.toml"), "frames = 100000\n[body]\npeople = 1\n");
+  const std::string out = path("boxes.csv");
+  int looks = 0;
+  const ProgramRun run =
+      run_program_until([&] { return ++looks > 2000; },  // about half a second
+                        {"segment", "--source", "synthetic:" + path("long.toml"), "--out", out}, SIGTERM);
+  EXPECT_THAT(run, FailedWith("interrupted after "));
+  const auto frames = read_lines(out + ".partial").size() - 1;
+  EXPECT_THAT(run.error,
+              HasSubstr(fmt::format("after {} of 100000 frames, kept in {}.partial", frames, out)));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(InterruptionTest, ATrainingThatIsAskedToEndGoesOnFromItsSplits) {
+  const std::string source = "synthetic:" + fs::absolute(kDemoManifest).string() + "?count=40";
+  write_text_file(path("train.toml"),
+                  "source = '" + source + "'\n[forest]\ntrees = 3\nsplits_per_node = 2000\n");
+  const auto training = [&](const std::string& out) {
+    return std::vector<std::string>{"train", "pose-forest", "--config", path("train.toml"),
+                                    "--out", path(out)};
+  };
+  ASSERT_THAT(run_program(training("whole_forest.h5")), Succeeded());
+  std::vector<std::string> arguments = training("forest.h5");
+  const ProgramRun run =
+      run_program_until([&] { return fs::exists(path("forest.h5.checkpoint")); }, arguments, SIGINT);
+  ASSERT_THAT(run, FailedWith("interrupted after "));
+  EXPECT_THAT(run.error, HasSubstr(" of 3 trees; continue with --resume"));
+  EXPECT_FALSE(fs::exists(path("forest.h5")));
+  arguments.emplace_back("--resume");
+  ASSERT_THAT(run_program(arguments), Succeeded());
+  EXPECT_TRUE(read_text_file(path("forest.h5")) == read_text_file(path("whole_forest.h5")));
+}
+
 TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("set.h5");
   const auto kilobytes = static_cast<int>(size_of(path("whole.h5")) / 2000);
@@ -118,21 +161,6 @@ TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   EXPECT_TRUE(is_like_whole(out));
 }
 
-/// A disk of its own, in memory; needs a privilege that not every machine grants.
-class SmallDisk {
- public:
-  explicit SmallDisk(fs::path place) : place_(std::move(place)) { make_folder(place_); }
-  ~SmallDisk() { ::umount(place_.c_str()); }
-
-  bool mount(int kilobytes, unsigned long flags = 0) const {
-    const std::string size = fmt::format("size={}k", kilobytes);
-    return ::mount("tmpfs", place_.c_str(), "tmpfs", flags, size.c_str()) == 0;
-  }
-
- private:
-  fs::path place_;
-};
-
 TEST_F(InterruptionTest, ARealDiskThatFillsUpIsOneLineAndTheNextRunGoesOn) {
   const auto whole = static_cast<int>(size_of(path("whole.h5")) / 1000);
   const SmallDisk disk(path("disk"));
@@ -140,10 +168,10 @@ TEST_F(InterruptionTest, ARealDiskThatFillsUpIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("disk/set.h5");
   EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while frames are rendered";
   EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
-  ASSERT_TRUE(disk.mount(whole * 3 / 2, MS_REMOUNT));
+  ASSERT_TRUE(disk.resize(whole * 3 / 2));
   EXPECT_THAT(run_program(rendering(out)), FailedWith("set.h5")) << "while the file is put together";
   EXPECT_THAT(entries_of(path("disk")), ElementsAre("set.h5.partial"));
-  ASSERT_TRUE(disk.mount(whole * 4, MS_REMOUNT));
+  ASSERT_TRUE(disk.resize(whole * 4));
   ASSERT_THAT(run_program(rendering(out)), Succeeded());
   EXPECT_TRUE(is_like_whole(out));
 }

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 
 #include "knuckle/core/text_file.h"
@@ -29,21 +30,45 @@ int status_of(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
 }
 
-/// Waits for the process to end, which `is_time` may make sooner.
-int wait_for(pid_t process, const std::function<bool()>& is_time) {
+/// Waits for the process to end, which gets `signal` when `is_time` says so.
+int wait_for(pid_t process, const std::function<bool()>& is_time, int signal) {
   int wait_status = 0;
   if (!is_time) {
     ::waitpid(process, &wait_status, 0);
     return wait_status;
   }
+  bool is_sent = false;
   while (::waitpid(process, &wait_status, WNOHANG) == 0) {
-    if (is_time()) ::kill(process, SIGKILL);
+    if (!is_sent && is_time()) is_sent = ::kill(process, signal) == 0;
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
   return wait_status;
 }
 
-ProgramRun run_command(std::vector<std::string> command, const std::function<bool()>& is_time = {}) {
+/// A program does not catch what it was started to ignore, and whoever runs the tests may ignore Ctrl-C.
+class DefaultSignals {
+ public:
+  DefaultSignals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    posix_spawnattr_init(&attributes_);
+    posix_spawnattr_setsigdefault(&attributes_, &signals);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGDEF);
+  }
+  DefaultSignals(const DefaultSignals&) = delete;
+  DefaultSignals& operator=(const DefaultSignals&) = delete;
+  ~DefaultSignals() { posix_spawnattr_destroy(&attributes_); }
+
+  const posix_spawnattr_t* get() const { return &attributes_; }
+
+ private:
+  posix_spawnattr_t attributes_{};
+};
+
+ProgramRun run_command(std::vector<std::string> command, const std::function<bool()>& is_time = {},
+                       int signal = SIGKILL) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const std::string error = folder / "error";
@@ -54,12 +79,12 @@ ProgramRun run_command(std::vector<std::string> command, const std::function<boo
   posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addopen(&actions, 2, error.c_str(), O_WRONLY | O_CREAT, 0600);
   pid_t process = 0;
-  const int fault = posix_spawnp(&process, command.front().c_str(), &actions, nullptr,
+  const int fault = posix_spawnp(&process, command.front().c_str(), &actions, DefaultSignals().get(),
                                  as_pointers(command).data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (fault != 0) throw std::runtime_error("cannot start " + command.front());
 
-  const int wait_status = wait_for(process, is_time);
+  const int wait_status = wait_for(process, is_time, signal);
   return {status_of(wait_status), read_text_file(out), read_text_file(error)};
 }
 
@@ -69,11 +94,11 @@ ProgramRun run_program(const std::vector<std::string>& arguments) {
   return run_program_until({}, arguments);
 }
 
-ProgramRun run_program_until(const std::function<bool()>& is_time,
-                             const std::vector<std::string>& arguments) {
+ProgramRun run_program_until(const std::function<bool()>& is_time, const std::vector<std::string>& arguments,
+                             int signal) {
   std::vector<std::string> command = {KNUCKLE_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
-  return run_command(std::move(command), is_time);
+  return run_command(std::move(command), is_time, signal);
 }
 
 ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments) {
@@ -91,6 +116,24 @@ std::vector<std::string> error_lines(const ProgramRun& run) {
     if (line.find(", time left ") == std::string::npos) lines.push_back(line);
   }
   return lines;
+}
+
+SmallDisk::SmallDisk(std::filesystem::path place) : place_(std::move(place)) {
+  std::filesystem::create_directories(place_);
+}
+
+SmallDisk::~SmallDisk() {
+  ::umount(place_.c_str());
+}
+
+bool SmallDisk::mount(int kilobytes) const {
+  const std::string size = fmt::format("size={}k", kilobytes);
+  return ::mount("tmpfs", place_.c_str(), "tmpfs", 0, size.c_str()) == 0;
+}
+
+bool SmallDisk::resize(int kilobytes) const {
+  const std::string size = fmt::format("size={}k", kilobytes);
+  return ::mount("tmpfs", place_.c_str(), "tmpfs", MS_REMOUNT, size.c_str()) == 0;
 }
 
 std::vector<std::string> entries_of(const std::filesystem::path& folder) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -23,12 +24,29 @@ struct ProgramRun {
 /// Runs the program with these arguments from the project's folder and waits for it.
 ProgramRun run_program(const std::vector<std::string>& arguments);
 
-/// The same, but the program is killed as soon as `is_time` says so; status 128 + 9 where that came before
-/// its end.
-ProgramRun run_program_until(const std::function<bool()>& is_time, const std::vector<std::string>& arguments);
+/// The same, but the program gets `signal` as soon as `is_time` says so; status 128 + `signal` where that
+/// ended it.
+ProgramRun run_program_until(const std::function<bool()>& is_time, const std::vector<std::string>& arguments,
+                             int signal = SIGKILL);
 
 /// The same on a disk that is full: no file of the program may grow beyond `kilobytes`.
 ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments);
+
+/// A disk of its own, in memory; needs a privilege that not every machine grants.
+class SmallDisk {
+ public:
+  explicit SmallDisk(std::filesystem::path place);
+  ~SmallDisk();
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+  /// False where the machine does not allow it; errno says why.
+  bool mount(int kilobytes) const;
+  bool resize(int kilobytes) const;
+
+ private:
+  std::filesystem::path place_;
+};
 
 /// Matches a run that ended with status 0; shows what it printed otherwise.
 MATCHER(Succeeded, "") {

@@ -6,8 +6,7 @@
 
 #include <cstdio>
 
-#include <knuckle/pipeline/pipeline.h>
-#include <knuckle/pipeline/run.h>
+#include <knuckle/pipeline/estimate_each.h>
 
 int main(int argument_count, char** arguments) try {
   if (argument_count != 2) return std::fprintf(stderr, "usage: own_method DEPTH.f32\n"), 2;
@@ -16,13 +15,13 @@ int main(int argument_count, char** arguments) try {
       .finder = knuckle::HandFinder(std::make_unique<own::BallSegmenter>(own::BallSegmenterOptions{})),
       .estimator = std::make_unique<own::PointingEstimator>(),
   });
-  for (const auto& frame : estimate_all(source, pipeline, knuckle::Start::nearest, arguments[1])) {
-    for (const knuckle::HandEstimate& hand : frame.hands) {
+  estimate_each(source, pipeline, {}, [](const knuckle::FrameResult& frame) {
+    for (const knuckle::HandEstimate& hand : frame.estimate.hands) {
       for (const knuckle::ImagePoint& joint : hand.pose.joints)
         std::printf("%.2f %.2f %.1f  ", joint.u, joint.v, joint.depth_mm);
     }
     std::puts("");
-  }
+  });
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;
 }

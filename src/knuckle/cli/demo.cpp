@@ -6,7 +6,7 @@
 #include "knuckle/data/poses_file.h"
 #include "knuckle/eval/pictures/gallery.h"
 #include "knuckle/eval/report/report.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/estimate_all.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/error.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/data/poses_file.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/estimate_files.h"
+#include "knuckle/prepare/inputs.h"
 #include "knuckle/prepare/open_source.h"
+#include "knuckle/prepare/source_fingerprint.h"
+#include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
@@ -15,36 +20,70 @@ struct EstimateArguments {
   std::string source;
   std::filesystem::path pipeline = resource_path("pipelines/default.toml");
   std::filesystem::path out;
+  std::filesystem::path records;
   std::filesystem::path json;
   std::string init = "nearest";
+  bool resume = false;
+  bool keep_going = false;
 };
 
-/// "poses.txt" for the best hand of a frame, "poses.hand2.txt" for the second, and so on.
-std::filesystem::path path_of_hand(const std::filesystem::path& out, int hand) {
-  if (hand == 0) return out;
-  return out.parent_path() /
-         fmt::format("{}.hand{}{}", out.stem().string(), hand + 1, out.extension().string());
+/// What the results depend on, apart from what the run itself knows.
+RunIdentity identity_of(const EstimateArguments& arguments, const Pipeline& pipeline,
+                        const EstimateFiles& files) {
+  const std::vector<std::filesystem::path> written = all_files_of(files, pipeline.hand().max_hands);
+  return {{"version of knuckle", KNUCKLE_VERSION},
+          {"source (its settings or files)", source_fingerprint(arguments.source, written)},
+          {"pipeline (its options)", text_hash(pipeline.resolved_options())},
+          {"model", text_hash(Inputs().add_models(arguments.pipeline).text())}};
+}
+
+EstimateFiles files_of(const EstimateArguments& arguments, const Pipeline& pipeline) {
+  using enum GrowingFiles::Begin;
+  EstimateFiles files;
+  files.poses = arguments.out;
+  files.records = arguments.records;
+  files.summary = arguments.json;
+  files.source_name = arguments.source;
+  files.start = start_from_name(arguments.init);
+  files.begin = arguments.resume ? where_it_stopped : anew;
+  files.identity = identity_of(arguments, pipeline, files);
+  files.finish = [&] { write_resolved_options(arguments.out, pipeline.resolved_options()); };
+  return files;
+}
+
+/// A run that did not end is replaced by one without --resume, as a file of the same name would be.
+void warn_of_replacement(const EstimateArguments& arguments) {
+  const std::filesystem::path partial = partial_path(arguments.out);
+  if (arguments.resume || !std::filesystem::exists(partial)) return;
+  fmt::print(
+      stderr,
+      "warning: {}: is left from a run that did not end, and is replaced; --resume would go on with it\n",
+      partial.string());
+}
+
+/// Frames that could not be read: an error, or a warning where the user said so.
+void tell_of_faults(const EstimateArguments& arguments, const RunCounts& counts) {
+  if (counts.unreadable == 0) return;
+  const std::string faults =
+      fmt::format("{} of {} frames could not be read and have no hand in {}; the first is frame {}: {}",
+                  counts.unreadable, counts.frames, arguments.out.string(), counts.first_fault, counts.fault);
+  if (!arguments.keep_going) throw Error(faults);
+  fmt::print(stderr, "warning: {}\n", faults);
 }
 
 void run_estimate(const EstimateArguments& arguments) {
-  check_writable(arguments.out);
-  if (!arguments.json.empty()) check_writable(arguments.json);
+  for (const auto& path : {arguments.out, arguments.records, arguments.json}) {
+    if (!path.empty()) check_writable(path);
+  }
   const auto source = open_source(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
-  const std::vector<FrameEstimate> frames =
-      estimate_all(*source, pipeline, start_from_name(arguments.init), arguments.source);
-  for (int hand = 0; hand < pipeline.hand().max_hands; ++hand) {
-    write_poses_file(path_of_hand(arguments.out, hand), pipeline.convention(),
-                     poses_of(frames, pipeline.convention(), hand), source->pixel_origin());
-  }
-  if (!arguments.json.empty()) {
-    write_text_file(arguments.json, summary_json(frames, arguments.source, pipeline.convention()));
-  }
-  write_resolved_options(arguments.out, pipeline.resolved_options());
-  const auto found =
-      std::ranges::count_if(frames, [](const FrameEstimate& frame) { return !frame.hands.empty(); });
-  fmt::print("{} frames, hand found in {}, median {:.2f} ms a frame: {}\n", frames.size(), found,
-             median_ms(frames), arguments.out.string());
+  warn_of_replacement(arguments);
+  const auto [counts, durations] = estimate_to_files(*source, pipeline, files_of(arguments, pipeline));
+  const std::optional<double> median_ms = durations.total.median_ms();
+  fmt::print("{} frames, hand found in {}{}: {}\n", counts.frames, counts.found,
+             median_ms ? fmt::format(", median {:.2f} ms per frame", *median_ms) : "",
+             arguments.out.string());
+  tell_of_faults(arguments, counts);
 }
 
 }  // namespace
@@ -58,13 +97,21 @@ void add_estimate(CLI::App& program) {
       ->type_name("FILE")
       ->capture_default_str();
   verb.add_option("--out", arguments->out,
-                  "Poses file: a line a frame, J x `u v d`; nan where there is no hand")
+                  "Poses file: one line per frame, J x `u v d`; nan where there is no hand")
       ->type_name("FILE")
       ->required();
+  verb.add_option(
+          "--records", arguments->records,
+          "Frame records: one line of JSON per frame, with joints in mm and px, confidences and status")
+      ->type_name("FILE");
   verb.add_option("--json", arguments->json,
                   "Summary as JSON: confidences, frames without a hand, times of each stage")
       ->type_name("FILE");
   add_init_option(verb, arguments->init);
+  verb.add_flag("--resume", arguments->resume,
+                "Go on where a run with the same source and options was stopped, from its .partial files");
+  verb.add_flag("--keep-going", arguments->keep_going,
+                "Frames that cannot be read are a warning, not an error at the end");
   verb.callback([arguments] { run_estimate(*arguments); });
 }
 

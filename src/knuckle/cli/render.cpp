@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/text_file.h"
@@ -41,6 +44,12 @@ void write_contact_sheet(const RenderArguments& arguments, const FrameSource& so
   fmt::print("contact sheet of {} frames: {}\n", frames.size(), arguments.sheet.string());
 }
 
+/// A file of frames goes on; folders are written again.
+std::string interruption_of(const RenderArguments& arguments, std::int64_t done, std::int64_t count) {
+  return fmt::format("interrupted after {} of {} frames{}", done, count,
+                     arguments.format == "h5" ? "; the same command goes on" : "");
+}
+
 void write_frames(const RenderArguments& arguments, const FrameSource& source, std::int64_t count) {
   FrameWriterOptions options;
   options.first = arguments.first;
@@ -48,11 +57,17 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source, s
   options.manifest = read_text_file(arguments.manifest);
   const auto writer = create_frame_writer(arguments.format, arguments.out, options);
   Progress progress("render", "frames", count);
-  parallel_for(count, [&](std::int64_t i) {
-    const std::int64_t index = arguments.first + i;
-    if (!writer->has(index)) writer->write(index, source.read(index));
-    progress.advance();
-  });
+  std::atomic<std::int64_t> done = 0;
+  try {
+    parallel_for(count, [&](std::int64_t i) {
+      const std::int64_t index = arguments.first + i;
+      if (!writer->has(index)) writer->write(index, source.read(index));
+      ++done;
+      progress.advance();
+    });
+  } catch (const Interrupted&) {
+    throw Interrupted(interruption_of(arguments, done, count));
+  }
   writer->finish();
   write_resolved_options(arguments.out, load_manifest(arguments.manifest).resolved);
   fmt::print("{} frames: {}\n", count, arguments.out.string());

@@ -2,10 +2,13 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/interruption.h"
+#include "knuckle/core/progress.h"
 #include "knuckle/core/resources.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/segment_all.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/growing_files.h"
 
 namespace knuckle::cli {
 namespace {
@@ -18,13 +21,33 @@ struct SegmentArguments {
   std::string init = "nearest";
 };
 
+/// Where it is interrupted, the frames that are done are kept beside the output.
+std::vector<FrameSegmentation> segment_until_interrupted(const SegmentArguments& arguments,
+                                                         const FrameSource& source,
+                                                         const HandFinder& finder) {
+  std::vector<FrameSegmentation> frames;
+  try {
+    Progress progress("segment", "frames", source.size());
+    segment_each(source, finder, start_from_name(arguments.init), arguments.source,
+                 [&](const FrameSegmentation& frame) {
+                   frames.push_back(frame);
+                   progress.advance();
+                 });
+  } catch (const Interrupted&) {
+    const std::filesystem::path kept = partial_path(arguments.out);
+    write_text_file(kept, boxes_csv(frames));
+    throw Interrupted(fmt::format("interrupted after {} of {} frames, kept in {}", frames.size(),
+                                  source.size(), kept.string()));
+  }
+  return frames;
+}
+
 void run_segment(const SegmentArguments& arguments) {
   check_writable(arguments.out);
   if (!arguments.json.empty()) check_writable(arguments.json);
   const auto source = open_source(arguments.source);
   const HandFinder finder = HandFinder::load(arguments.pipeline);
-  const std::vector<FrameSegmentation> frames =
-      segment_all(*source, finder, start_from_name(arguments.init), arguments.source);
+  const std::vector<FrameSegmentation> frames = segment_until_interrupted(arguments, *source, finder);
   write_text_file(arguments.out, boxes_csv(frames));
   if (!arguments.json.empty()) write_text_file(arguments.json, summary_json(frames, arguments.source));
   write_resolved_options(arguments.out, finder.resolved_options());

@@ -9,9 +9,14 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
+<<<<<<< HEAD
 #include "knuckle/core/suggestion.h"
 #include "knuckle/pipeline/run.h"
+=======
+#include "knuckle/pipeline/start.h"
+>>>>>>> work/flow
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
@@ -115,6 +120,7 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
     program.set_version_flag("--version", "knuckle " KNUCKLE_VERSION, "Print the version and exit");
     remembered_arguments().assign(arguments, arguments + count);
     add_verbs(program);
+    watch_for_interruption();
     try {
       program.parse(count, arguments);
     } catch (const CLI::ParseError& error) {

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 
 namespace knuckle {
 namespace {
@@ -34,7 +35,10 @@ void set_thread_count(int count) {
 }
 
 void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& work) {
-  tbb::parallel_for(std::int64_t{0}, count, work);
+  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) {
+    end_if_interrupted();
+    work(i);
+  });
 }
 
 }  // namespace knuckle

@@ -14,7 +14,7 @@ int thread_count();
 void set_thread_count(int count);
 
 /// Calls `work(i)` for each i in [0, count), on all threads, in no order. An exception of one call ends the
-/// others as soon as it can and is thrown on.
+/// others as soon as it can and is thrown on; so does Interrupted where the program is asked to end.
 void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& work);
 
 }  // namespace knuckle

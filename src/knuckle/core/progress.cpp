@@ -27,10 +27,12 @@ std::string readable_duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::string unit, std::int64_t total)
+Progress::Progress(std::string what, std::string unit, std::optional<std::int64_t> total, std::int64_t done)
     : what_(std::move(what)),
       unit_(std::move(unit)),
       total_(total),
+      done_before_(done),
+      done_(done),
       is_terminal_(::isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       last_shown_(start_) {}
@@ -53,13 +55,19 @@ void Progress::advance(std::int64_t steps) {
   is_shown_ = true;
 }
 
+/// "12 of 40 frames, 3.1/s, time left 9 s"; without a total "12 frames, 3.1/s".
+std::string Progress::state_after(double seconds) const {
+  const double rate = seconds > 0.0 ? static_cast<double>(done_ - done_before_) / seconds : 0.0;
+  if (!total_) return fmt::format("{} {}, {:.1f}/s", done_, unit_, rate);
+  const std::string left =
+      rate > 0.0 ? readable_duration(static_cast<double>(*total_ - done_) / rate) : std::string("unknown");
+  return fmt::format("{} of {} {}, {:.1f}/s, time left {}", done_, *total_, unit_, rate, left);
+}
+
 void Progress::show(Clock::time_point now) const {
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double rate = seconds > 0.0 ? static_cast<double>(done_) / seconds : 0.0;
-  const std::string left =
-      rate > 0.0 ? readable_duration(static_cast<double>(total_ - done_) / rate) : std::string("unknown");
-  fmt::print(stderr, "{}{}: {} of {} {}, {:.1f}/s, time left {}{}", is_terminal_ ? "\r\x1b[K" : "", what_,
-             done_, total_, unit_, rate, left, is_terminal_ ? "" : "\n");
+  fmt::print(stderr, "{}{}: {}{}", is_terminal_ ? "\r\x1b[K" : "", what_, state_after(seconds),
+             is_terminal_ ? "" : "\n");
   std::fflush(stderr);
 }
 

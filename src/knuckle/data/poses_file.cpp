@@ -98,21 +98,30 @@ PoseSequence read_poses_file(const std::filesystem::path& path, const std::optio
   return sequence;
 }
 
+std::string poses_head(const Convention& convention) {
+  return fmt::format("# {} {}\n", kConventionKey, convention.name);
+}
+
+std::string pose_line(const HandPose& pose, PixelOrigin origin) {
+  fmt::memory_buffer text;
+  for (std::size_t j = 0; j < pose.joints.size(); ++j) {
+    if (j > 0) text.push_back(' ');
+    append_joint(text, pose.joints[j], origin_offset(origin));
+  }
+  text.push_back('\n');
+  return fmt::to_string(text);
+}
+
 void write_poses_file(const std::filesystem::path& path, const Convention& convention,
                       std::span<const HandPose> poses, PixelOrigin origin) {
-  fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text), "# {} {}\n", kConventionKey, convention.name);
+  std::string text = poses_head(convention);
   for (const HandPose& pose : poses) {
     if (pose.convention != convention || pose.joints.size() != convention.landmarks.size()) {
       fail("{}: expected poses of {}, found one of {}", path.string(), convention.name, pose.convention.name);
     }
-    for (std::size_t j = 0; j < pose.joints.size(); ++j) {
-      if (j > 0) text.push_back(' ');
-      append_joint(text, pose.joints[j], origin_offset(origin));
-    }
-    text.push_back('\n');
+    text += pose_line(pose, origin);
   }
-  write_text_file(path, std::string_view(text.data(), text.size()));
+  write_text_file(path, text);
 }
 
 }  // namespace knuckle

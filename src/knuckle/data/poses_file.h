@@ -31,6 +31,12 @@ PoseSequence read_poses_file(const std::filesystem::path& path,
                              const std::optional<Convention>& convention = std::nullopt,
                              PixelOrigin origin = PixelOrigin::centre);
 
+/// What a poses file begins with: the line `# convention: NAME`.
+std::string poses_head(const Convention& convention);
+/// The line of a pose in a poses file, with its end: four decimals (0.1 um), three `nan` for a joint that
+/// misses one value.
+std::string pose_line(const HandPose& pose, PixelOrigin origin = PixelOrigin::centre);
+
 /// Writes a poses file with four decimals (0.1 um). A joint that misses one value is written as three `nan`.
 /// Throws where a pose is of another convention; the file appears only when whole.
 void write_poses_file(const std::filesystem::path& path, const Convention& convention,

@@ -9,11 +9,13 @@
 #include <string_view>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
@@ -68,6 +70,7 @@ class Child {
     std::string kept;
     std::array<char, 4096> block{};
     for (;;) {
+      wait_for_output();
       const ssize_t length = ::read(error_output_, block.data(), block.size());
       if (length < 0 && errno == EINTR) continue;
       if (length <= 0) return kept;
@@ -88,6 +91,21 @@ class Child {
   }
 
  private:
+  /// Until there is something to read, or the end. Where we are asked to end and the child was not (Ctrl-C in
+  /// a terminal reaches both), it is asked after a while.
+  void wait_for_output() {
+    constexpr int kLookMs = 100;
+    constexpr int kGraceMs = 3000;
+    pollfd output{error_output_, POLLIN, 0};
+    while (::poll(&output, 1, kLookMs) <= 0) {
+      if (!is_interrupted() || asked_to_end_) continue;
+      waited_ms_ += kLookMs;
+      if (waited_ms_ < kGraceMs) continue;
+      ::kill(process_, SIGTERM);
+      asked_to_end_ = true;
+    }
+  }
+
   /// Behind the last line end but one that ends the text.
   static std::size_t start_of_last_line(const std::string& text) {
     if (text.size() < 2) return 0;
@@ -97,6 +115,8 @@ class Child {
 
   pid_t process_ = 0;
   int error_output_ = -1;
+  int waited_ms_ = 0;
+  bool asked_to_end_ = false;
 };
 
 }  // namespace

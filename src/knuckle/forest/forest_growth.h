@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/tree_grower.h"
@@ -76,7 +77,12 @@ class TreeCheckpoint {
 
   /// Writes the splits where the last writing is long enough ago.
   void update(const SplitLog<Feature>& log) {
-    if (path_.empty() || std::chrono::duration<double>(Clock::now() - written_).count() < interval_) return;
+    if (std::chrono::duration<double>(Clock::now() - written_).count() >= interval_) write(log);
+  }
+
+  /// Writes the splits, where there are any and a place for them.
+  void write(const SplitLog<Feature>& log) {
+    if (path_.empty() || log.empty()) return;
     write_checkpoint(path_, fingerprint_, [&](Hdf5File& file) {
       file.set_attribute("tree", static_cast<double>(tree_));
       std::vector<float> gain;
@@ -116,7 +122,13 @@ void grow_trees(const Features& features, const Statistics& statistics, const Tr
       checkpoint.update(grown);
       if (run.nodes_done) run.nodes_done(grown.size());
     };
-    append(grower.grow(order, derived_seed(options.seed, tree), progress, log, nodes_done));
+    try {
+      append(grower.grow(order, derived_seed(options.seed, tree), progress, log, nodes_done));
+    } catch (const Interrupted&) {
+      checkpoint.write(log);
+      throw Interrupted(fmt::format("interrupted after {} of {} trees{}", tree, trees,
+                                    run.checkpoint.empty() ? "" : "; continue with --resume"));
+    }
     if (!run.checkpoint.empty()) std::filesystem::remove(tree_checkpoint(run.checkpoint));
     if (run.tree_done) run.tree_done(static_cast<int>(tree) + 1);
   }

@@ -49,7 +49,10 @@ Inputs& Inputs::add_source(std::string_view name, const std::string& source) {
 }
 
 Inputs& Inputs::add_pipeline(const std::filesystem::path& pipeline) {
-  add_content("pipeline", pipeline);
+  return add_content("pipeline", pipeline).add_models(pipeline);
+}
+
+Inputs& Inputs::add_models(const std::filesystem::path& pipeline) {
   const OptionTable document = OptionTable::load(pipeline);
   for (const char* table : {"segmentation", "estimator"}) {
     const std::string model = document.table(table).text_or("model", "");

@@ -20,6 +20,8 @@ class Inputs {
   Inputs& add_source(std::string_view name, const std::string& source);
   /// A pipeline file with the models that it names.
   Inputs& add_pipeline(const std::filesystem::path& pipeline);
+  /// The models that a pipeline file names.
+  Inputs& add_models(const std::filesystem::path& pipeline);
 
   const std::string& text() const { return text_; }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "knuckle/pipeline/hand_finder.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/start.h"
 #include "knuckle/prepare/cube_samples.h"
 
 namespace knuckle {

@@ -6,7 +6,7 @@
 
 #include "knuckle/patch/patch_extractor.h"
 #include "knuckle/pipeline/hand_finder.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/start.h"
 #include "knuckle/prepare/train_pose_forest.h"
 
 namespace knuckle {

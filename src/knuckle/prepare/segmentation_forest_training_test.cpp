@@ -5,7 +5,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/data/writers/folder_writer.h"
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/segment_all.h"
 #include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/testing.h"
 

@@ -7,6 +7,7 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/net/network_file.h"
 #include "knuckle/training/archive.h"
@@ -96,13 +97,27 @@ std::vector<TrainingMetrics> Trainer::train() {
   Progress shown("train", "samples", (end - step_) * options_.batch_size);
   bool is_done = false;
   while (!is_done) {
-    step(loader);
+    step_unless_interrupted(loader);
     shown.advance(options_.batch_size);
     is_done = step_ == end || time_share() >= 1.0;
     if (step_ % options_.validate_every == 0 || is_done) validate(loader);
     is_done = is_done || has_run_out_of_patience();
   }
   return metrics_;
+}
+
+/// A step that is broken off changes no parameters, but the statistics of normalisation: the last checkpoint
+/// is what a later run can go on from.
+void Trainer::step_unless_interrupted(BatchLoader& loader) {
+  try {
+    end_if_interrupted();
+    step(loader);
+  } catch (const Interrupted&) {
+    const std::string kept = metrics_.empty()
+                                 ? std::string("nothing was written yet")
+                                 : fmt::format("continue with --resume from step {}", metrics_.back().step);
+    throw Interrupted(fmt::format("interrupted after {} of {} steps; {}", step_, step_count_, kept));
+  }
 }
 
 double Trainer::time_share() const {

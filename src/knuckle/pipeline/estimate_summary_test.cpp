@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "knuckle/pipeline/run.h"
+#include "knuckle/pipeline/estimate_summary.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

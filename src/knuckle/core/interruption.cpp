@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/interruption.h"
+
+#include <atomic>
+#include <csignal>
+
+namespace knuckle {
+namespace {
+
+std::atomic<bool> was_asked_to_end = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
+
+/// The second signal is left to the system, which ends the program as if nobody watched.
+extern "C" void on_interruption(int signal_number) {
+  if (!was_asked_to_end.exchange(true)) return;
+  std::signal(signal_number, SIG_DFL);
+  std::raise(signal_number);
+}
+
+void watch(int signal_number) {
+  struct sigaction before {};
+  ::sigaction(signal_number, nullptr, &before);
+  if (before.sa_handler == SIG_IGN) return;
+  struct sigaction action {};
+  action.sa_handler = on_interruption;
+  action.sa_flags = SA_RESTART;  // reading and writing files goes on
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(signal_number, &action, nullptr);
+}
+
+}  // namespace
+
+void watch_for_interruption() {
+  watch(SIGINT);
+  watch(SIGTERM);
+}
+
+bool is_interrupted() {
+  return was_asked_to_end;
+}
+
+void set_interrupted(bool interrupted) {
+  was_asked_to_end = interrupted;
+}
+
+void end_if_interrupted() {
+  if (is_interrupted()) throw Interrupted("interrupted");
+}
+
+}  // namespace knuckle

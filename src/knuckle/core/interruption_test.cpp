@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/interruption.h"
+
+#include <atomic>
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "knuckle/core/ordered_work.h"
+#include "knuckle/core/parallel.h"
+
+namespace knuckle {
+namespace {
+
+class InterruptionTest : public ::testing::Test {
+ protected:
+  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+  void TearDown() override { set_interrupted(false); }
+};
+
+TEST_F(InterruptionTest, ParallelWorkEndsWhereItIsAskedTo) {
+  std::atomic<int> done = 0;
+  EXPECT_THROW(parallel_for(100000,
+                            [&](std::int64_t) {
+                              if (++done == 10) set_interrupted(true);
+                            }),
+               Interrupted);
+  EXPECT_LT(done, 10000);
+  EXPECT_THROW(end_if_interrupted(), Interrupted);
+  set_interrupted(false);
+  EXPECT_NO_THROW(parallel_for(10, [](std::int64_t) {}));
+}
+
+TEST_F(InterruptionTest, OrderedWorkHandsOverWhatWasBegunAndThenEnds) {
+  int begun = 0;
+  int delivered = 0;
+  const auto next = [&]() -> Job {
+    const int number = begun++;
+    if (begun == 50) set_interrupted(true);
+    return [number, &delivered]() -> Delivery {
+      return [number, &delivered] { EXPECT_EQ(number, delivered++); };
+    };
+  };
+  EXPECT_THROW(run_in_order(next, 4), Interrupted);
+  EXPECT_EQ(begun, 50);
+  EXPECT_EQ(delivered, 50);
+}
+
+TEST_F(InterruptionTest, TheFirstSignalIsNotedAndTheSecondEndsTheProgram) {
+  EXPECT_EXIT(
+      {
+        watch_for_interruption();
+        std::raise(SIGINT);
+        if (is_interrupted()) std::raise(SIGINT);
+      },
+      ::testing::KilledBySignal(SIGINT), "");
+  EXPECT_EXIT(
+      {
+        watch_for_interruption();
+        std::raise(SIGTERM);
+        std::_Exit(is_interrupted() ? 7 : 8);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
+TEST_F(InterruptionTest, ASignalThatWasIgnoredStaysIgnored) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGINT, SIG_IGN);
+        watch_for_interruption();
+        std::raise(SIGINT);
+        std::_Exit(is_interrupted() ? 8 : 7);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
+}  // namespace
+}  // namespace knuckle
