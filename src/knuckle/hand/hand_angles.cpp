@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "knuckle/core/angle.h"
+#include "knuckle/core/error.h"
 
 namespace knuckle {
 namespace {
@@ -25,28 +28,44 @@ constexpr std::array<RangeInDegrees, kHandAngleCount> kRanges = {{
     {0, 25},                                                 // palm
 }};
 
-/// How far the DIP strays from its coupling: pressed back against a thing, or hooked.
-constexpr double kDipBelowCoupling = 45.0 * kDegree;
-constexpr double kDipAboveCoupling = 20.0 * kDegree;
-/// What is left of an MCP's spread when it is bent by 90 degrees.
-constexpr double kSpreadLeftWhenBent = 0.25;
-
-double spread_left(double mcp) {
-  const double bent = std::clamp(mcp / (90.0 * kDegree), 0.0, 1.0);
-  return 1.0 - (1.0 - kSpreadLeftWhenBent) * bent;
+HandLimits limits_of_healthy_adults() {
+  HandLimits limits;
+  for (int i = 0; i < kHandAngleCount; ++i) {
+    limits.ranges[i] = {kRanges[i].low * kDegree, kRanges[i].high * kDegree};
+  }
+  // Pressed back against a thing, or hooked.
+  limits.dip_below_coupling = 45.0 * kDegree;
+  limits.dip_above_coupling = 20.0 * kDegree;
+  limits.spread_left_when_bent = 0.25;
+  return limits;
 }
 
-void limit_finger(HandAngles& angles, const FingerAngleNames& finger) {
-  const AngleRange spread = range_of(finger.spread);
-  const double left = spread_left(angles[finger.mcp]);
+double spread_left(double mcp, const HandLimits& limits) {
+  const double bent = std::clamp(mcp / (90.0 * kDegree), 0.0, 1.0);
+  return 1.0 - (1.0 - limits.spread_left_when_bent) * bent;
+}
+
+void limit_finger(HandAngles& angles, const FingerAngleNames& finger, const HandLimits& limits) {
+  const AngleRange& spread = limits[finger.spread];
+  const double left = spread_left(angles[finger.mcp], limits);
   angles[finger.spread] = std::clamp(angles[finger.spread], spread.low * left, spread.high * left);
   const double coupled = coupled_dip(angles[finger.pip]);
-  const AngleRange dip = range_of(finger.dip);
-  angles[finger.dip] = std::clamp(angles[finger.dip], std::max(dip.low, coupled - kDipBelowCoupling),
-                                  std::min(dip.high, coupled + kDipAboveCoupling));
+  const AngleRange& dip = limits[finger.dip];
+  const double low = std::clamp(coupled - limits.dip_below_coupling, dip.low, dip.high);
+  const double high = std::clamp(coupled + limits.dip_above_coupling, low, dip.high);
+  angles[finger.dip] = std::clamp(angles[finger.dip], low, high);
 }
 
 }  // namespace
+
+std::string_view name_of(HandAngle angle) {
+  static constexpr std::array<std::string_view, kHandAngleCount> kNames = {
+      "thumb_radial",  "thumb_palmar", "thumb_twist", "thumb_mcp",  "thumb_ip",      "index_mcp",
+      "index_spread",  "index_pip",    "index_dip",   "middle_mcp", "middle_spread", "middle_pip",
+      "middle_dip",    "ring_mcp",     "ring_spread", "ring_pip",   "ring_dip",      "little_mcp",
+      "little_spread", "little_pip",   "little_dip",  "palm_arch"};
+  return kNames[static_cast<std::size_t>(angle)];
+}
 
 FingerAngleNames angles_of_finger(int finger) {
   constexpr int kAnglesPerFinger = 4;
@@ -55,18 +74,44 @@ FingerAngleNames angles_of_finger(int finger) {
           static_cast<HandAngle>(first + 3)};
 }
 
-AngleRange range_of(HandAngle angle) {
-  const RangeInDegrees& range = kRanges[static_cast<std::size_t>(angle)];
-  return {range.low * kDegree, range.high * kDegree};
+const HandLimits& healthy_limits() {
+  static const HandLimits limits = limits_of_healthy_adults();
+  return limits;
 }
 
-HandAngles within_limits(HandAngles angles) {
+AngleRange range_of(HandAngle angle) {
+  return healthy_limits()[angle];
+}
+
+void check(const HandLimits& limits, std::string_view what) {
   for (int i = 0; i < kHandAngleCount; ++i) {
-    const AngleRange range = range_of(static_cast<HandAngle>(i));
-    angles.radians[i] = std::clamp(angles.radians[i], range.low, range.high);
+    const AngleRange& range = limits.ranges[i];
+    if (!(-std::numbers::pi <= range.low && range.low <= range.high && range.high <= std::numbers::pi)) {
+      fail("{}: limits of {} are {:.6g} to {:.6g} rad, expected low <= high, within -pi to pi", what,
+           name_of(static_cast<HandAngle>(i)), range.low, range.high);
+    }
   }
-  for (int finger = 0; finger < 4; ++finger) limit_finger(angles, angles_of_finger(finger));
+  for (const auto& [name, value] : {std::pair{"dip_below_coupling", limits.dip_below_coupling},
+                                    std::pair{"dip_above_coupling", limits.dip_above_coupling}}) {
+    if (!(value >= 0.0 && value <= std::numbers::pi)) {
+      fail("{}: {} is {:.6g} rad, expected 0 to pi", what, name, value);
+    }
+  }
+  if (!(limits.spread_left_when_bent >= 0.0 && limits.spread_left_when_bent <= 1.0)) {
+    fail("{}: spread_left_when_bent is {:.6g}, expected 0 to 1", what, limits.spread_left_when_bent);
+  }
+}
+
+HandAngles clamped(HandAngles angles, const HandLimits& limits) {
+  for (int i = 0; i < kHandAngleCount; ++i) {
+    angles.radians[i] = std::clamp(angles.radians[i], limits.ranges[i].low, limits.ranges[i].high);
+  }
+  for (int finger = 0; finger < 4; ++finger) limit_finger(angles, angles_of_finger(finger), limits);
   return angles;
+}
+
+bool within_limits(const HandAngles& angles, const HandLimits& limits) {
+  return clamped(angles, limits) == angles;
 }
 
 HandAngles interpolated(const HandAngles& a, const HandAngles& b, double t) {

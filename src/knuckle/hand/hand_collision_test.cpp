@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 #include "knuckle/core/testing.h"
-#include "knuckle/synth/pose/hand_sampler.h"
 
 namespace knuckle {
 namespace {

@@ -6,8 +6,8 @@
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/body_rig.h"
+#include "knuckle/hand/skeleton_testing.h"
 #include "knuckle/hand/testing_body.h"
-#include "knuckle/synth/pose/hand_sampler.h"
 
 namespace knuckle {
 namespace {
@@ -26,13 +26,13 @@ std::vector<HandJoints> sampled_hands(int count, std::uint64_t seed) {
                                                        .normalized()
                                                        .cast<float>())
                                     .toRotationMatrix();
-    const HandAngles angles = sampled_hand({}, random);
+    const HandAngles angles = testing::random_angles(healthy_limits(), random);
     hands.push_back(hand_joints(rig.landmarks(rig.pose({angles, {}}, camera_from_body))));
   }
   return hands;
 }
 
-HandJoints moved(const HandJoints& hand) {
+HandJoints moved_hand(const HandJoints& hand) {
   const Eigen::AngleAxisd turn(2.5, Eigen::Vector3d(1, -2, 0.5).normalized());
   HandJoints result;
   for (int k = 0; k < kHandJoints; ++k) result[k] = 1.7 * (turn * hand[k]) + Point3(30, -200, 700);
@@ -41,8 +41,8 @@ HandJoints moved(const HandJoints& hand) {
 
 TEST(HandDistance, AMovedTurnedAndScaledHandIsTheSameShape) {
   for (const HandJoints& hand : sampled_hands(20, 1)) {
-    EXPECT_NEAR(mean_distance_mm(hand, aligned_to(hand, moved(hand))), 0.0, 1e-3);
-    EXPECT_NEAR(HandSet(std::vector{moved(hand)}).nearest(hand).distance_mm, 0.0, 0.01);
+    EXPECT_NEAR(mean_distance_mm(hand, aligned_to(hand, moved_hand(hand))), 0.0, 1e-3);
+    EXPECT_NEAR(HandSet(std::vector{moved_hand(hand)}).nearest(hand).distance_mm, 0.0, 0.01);
   }
 }
 

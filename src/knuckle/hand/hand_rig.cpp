@@ -14,6 +14,7 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using Unaligned = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// How far the flexion axis of each finger leans out of the plane of the palm, so that bent fingers come
 /// together towards the base of the thumb: index to little.
@@ -40,8 +41,44 @@ Vector3d across(const Vector3d& vector, const Vector3d& direction) {
   return (vector - vector.dot(direction) * direction).normalized();
 }
 
-BoneRotation bone_rotation(int bone, const Quaterniond& rotation) {
-  return {bone, rotation.normalized().cast<float>()};
+/// A digit at rest as the mesh shows it, in body axes.
+struct DigitAtRest {
+  std::array<int, 3> bones{};
+  std::array<Vector3d, 3> directions;     ///< of the bones
+  std::array<Quaterniond, 3> straighten;  ///< turns of the last two that put all into one line
+};
+
+DigitAtRest digit_at_rest(const ShapedBody& person, int number) {
+  DigitAtRest digit;
+  std::array<Vector3d, 4> points;
+  for (int k = 0; k < 3; ++k) {
+    digit.bones[k] = person.body->bone(fmt::format("finger{}-{}.R", number, k + 1));
+    points[k] = person.joints[digit.bones[k]].cast<double>();
+  }
+  points[3] = person.landmarks[static_cast<std::size_t>(kTips[number - 1])].cast<double>();
+  for (int k = 0; k < 3; ++k) digit.directions[k] = (points[k + 1] - points[k]).normalized();
+  for (int k = 1; k < 3; ++k) {
+    digit.straighten[k] = rotation_between(digit.directions[k], digit.directions[k - 1]);
+  }
+  return digit;
+}
+
+/// The thumb's metacarpal along the middle finger's turns to where it is at rest: in the plane of the palm by
+/// `radial` towards the thumb's side, then out of it by `palmar`.
+std::vector<BoneTurn> thumb_swing(const Eigen::Matrix3d& axes) {
+  return {{HandAngle::thumb_radial, -1.0, axes.col(2)},
+          {HandAngle::thumb_palmar, 1.0, axes.col(0)},
+          {HandAngle::thumb_palmar, -kThumbTwistPerPalmar, axes.col(1)}};
+}
+
+/// The product of turns, the first leftmost; not one may be missing.
+Quaterniond turned(const std::vector<BoneTurn>& turns, const HandAngles& angles) {
+  const auto rotation_of = [&](const BoneTurn& turn) {
+    return Quaterniond(AngleAxisd(turn.share * angles[turn.angle], turn.axis));
+  };
+  Quaterniond rotation = rotation_of(turns.front());
+  for (std::size_t k = 1; k < turns.size(); ++k) rotation = rotation * rotation_of(turns[k]);
+  return rotation;
 }
 
 }  // namespace
@@ -64,100 +101,70 @@ Eigen::Matrix3d hand_axes(const std::array<Point3, kSupersetSize>& landmarks) {
 HandRig::HandRig(const ShapedBody& person)
     : axes_(hand_axes(joint(person, "wrist.R"), joint(person, "finger2-1.R"), joint(person, "finger3-1.R"),
                       joint(person, "finger5-1.R"))) {
-  for (int finger = 0; finger < 4; ++finger) fingers_[finger] = finger_of(person, finger);
-  thumb_ = thumb_of(person);
-  const Vector3d metacarpal = axes_.transpose() * thumb_.directions[0];
-  thumb_rest_radial_ = std::atan2(metacarpal.x(), metacarpal.y());
-  thumb_rest_palmar_ = std::asin(std::clamp(metacarpal.z(), -1.0, 1.0));
+  add_metacarpal(*person.body, 2, HandBone::ring_metacarpal, kRingArch);
+  add_metacarpal(*person.body, 3, HandBone::little_metacarpal, 1.0);
+  add_thumb(person);
+  for (int finger = 0; finger < 4; ++finger) add_finger(person, finger);
 }
 
-HandRig::Digit HandRig::digit_of(const ShapedBody& person, int number) const {
-  Digit digit;
-  std::array<Vector3d, 4> points;
-  for (int k = 0; k < 3; ++k) {
-    digit.bones[k] = person.body->bone(fmt::format("finger{}-{}.R", number, k + 1));
-    points[k] = person.joints[digit.bones[k]].cast<double>();
-  }
-  points[3] = person.landmarks[static_cast<std::size_t>(kTips[number - 1])].cast<double>();
-  for (int k = 0; k < 3; ++k) digit.directions[k] = (points[k + 1] - points[k]).normalized();
-  for (int k = 1; k < 3; ++k) {
-    digit.straighten[k] = rotation_between(digit.directions[k], digit.directions[k - 1]);
-  }
-  return digit;
+void HandRig::add_metacarpal(const Body& body, int finger, HandBone part, double share) {
+  const int bone = bone_or_none(body, fmt::format("metacarpal{}.R", finger + 1));
+  if (bone < 0) return;
+  bones_.push_back({part, bone, {{HandAngle::palm_arch, share, axes_.col(0)}}});
 }
 
-HandRig::Digit HandRig::finger_of(const ShapedBody& person, int finger) const {
-  Digit digit = digit_of(person, finger + 2);
+void HandRig::add_finger(const ShapedBody& person, int finger) {
+  const DigitAtRest digit = digit_at_rest(person, finger + 2);
   const Vector3d radial = axes_.col(0);
   const Vector3d forward = axes_.col(1);
   const Vector3d axis = (radial + kAxisLean[finger] * axes_.col(2)).normalized();
-  digit.straighten[0] = rotation_between(digit.directions[0], forward);
-  digit.flexion_axes[0] = axis;
-  digit.flexion_axes[1] = digit.straighten[0].inverse() * axis;
-  digit.flexion_axes[2] = digit.straighten[1].inverse() * digit.flexion_axes[1];
-  digit.spread_axis = forward.cross(axis);
-  digit.metacarpal = bone_or_none(*person.body, fmt::format("metacarpal{}.R", finger + 1));
-  return digit;
+  const Quaterniond straighten = rotation_between(digit.directions[0], forward);
+  const Vector3d pip_axis = straighten.inverse() * axis;
+  const Vector3d dip_axis = digit.straighten[1].inverse() * pip_axis;
+  const FingerAngleNames names = angles_of_finger(finger);
+  // Away from the middle finger is towards the thumb for the index (and the middle finger itself) only.
+  const double side = finger <= 1 ? 1.0 : -1.0;
+  const auto part = [&](int joint) { return bone_of_digit(finger + 1, joint); };
+  bones_.push_back({part(0),
+                    digit.bones[0],
+                    {{names.mcp, 1.0, axis}, {names.spread, side, forward.cross(axis)}},
+                    Unaligned(straighten)});
+  bones_.push_back({part(1), digit.bones[1], {{names.pip, 1.0, pip_axis}}, Unaligned(digit.straighten[1])});
+  bones_.push_back({part(2), digit.bones[2], {{names.dip, 1.0, dip_axis}}, Unaligned(digit.straighten[2])});
 }
 
-HandRig::Digit HandRig::thumb_of(const ShapedBody& person) const {
-  Digit digit = digit_of(person, 1);
+void HandRig::add_thumb(const ShapedBody& person) {
+  const DigitAtRest digit = digit_at_rest(person, 1);
+  const Vector3d metacarpal = axes_.transpose() * digit.directions[0];
+  HandAngles rest;
+  rest[HandAngle::thumb_radial] = std::atan2(metacarpal.x(), metacarpal.y());
+  rest[HandAngle::thumb_palmar] = std::asin(std::clamp(metacarpal.z(), -1.0, 1.0));
+  std::vector<BoneTurn> swing = thumb_swing(axes_);
+  const Quaterniond straighten = turned(swing, rest).inverse();
+  swing.push_back({HandAngle::thumb_twist, -1.0, axes_.col(1)});
   // A thumb at rest is bent about its own flexion axis; a straight one would not show it, so lean on the
   // palm's.
   constexpr double kPalmarShare = 0.1;
   const Vector3d bend = digit.directions[0].cross(digit.directions[2]);
   const Vector3d axis = across(bend + kPalmarShare * axes_.col(2), digit.directions[0]);
-  digit.straighten[0] = Quaterniond::Identity();
-  digit.flexion_axes[0] = axis;
-  digit.flexion_axes[1] = axis;
-  digit.flexion_axes[2] = digit.straighten[1].inverse() * axis;
-  return digit;
-}
-
-/// Turns `forward` in the plane of the palm by `radial` towards the thumb's side, then out of it by `palmar`.
-Quaterniond HandRig::thumb_swing(double radial, double palmar) const {
-  const double turn = kThumbTwistPerPalmar * palmar;
-  return AngleAxisd(-radial, axes_.col(2)) * AngleAxisd(palmar, axes_.col(0)) *
-         AngleAxisd(-turn, axes_.col(1));
-}
-
-void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const HandAngles& angles) const {
-  const Digit& digit = fingers_[finger];
-  const FingerAngleNames names = angles_of_finger(finger);
-  // Away from the middle finger is towards the thumb for the index (and the middle finger itself) only.
-  const double spread = (finger <= 1 ? 1.0 : -1.0) * angles[names.spread];
-  result.push_back(bone_rotation(digit.bones[0], AngleAxisd(angles[names.mcp], digit.flexion_axes[0]) *
-                                                     AngleAxisd(spread, digit.spread_axis) *
-                                                     digit.straighten[0]));
-  result.push_back(bone_rotation(digit.bones[1],
-                                 AngleAxisd(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
-  result.push_back(bone_rotation(digit.bones[2],
-                                 AngleAxisd(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
-}
-
-void HandRig::add_thumb(std::vector<BoneRotation>& result, const HandAngles& angles) const {
-  const Quaterniond rest = thumb_swing(thumb_rest_radial_, thumb_rest_palmar_);
-  const Quaterniond swing = thumb_swing(angles[HandAngle::thumb_radial], angles[HandAngle::thumb_palmar]) *
-                            Quaterniond(AngleAxisd(-angles[HandAngle::thumb_twist], axes_.col(1))) *
-                            rest.inverse();
-  result.push_back(bone_rotation(thumb_.bones[0], swing));
-  result.push_back(
-      bone_rotation(thumb_.bones[1],
-                    AngleAxisd(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
-  result.push_back(
-      bone_rotation(thumb_.bones[2],
-                    AngleAxisd(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
+  const Vector3d ip_axis = digit.straighten[1].inverse() * axis;
+  bones_.push_back({HandBone::thumb_metacarpal, digit.bones[0], std::move(swing), Unaligned(straighten)});
+  bones_.push_back({HandBone::thumb_proximal,
+                    digit.bones[1],
+                    {{HandAngle::thumb_mcp, 1.0, axis}},
+                    Unaligned(digit.straighten[1])});
+  bones_.push_back({HandBone::thumb_distal,
+                    digit.bones[2],
+                    {{HandAngle::thumb_ip, 1.0, ip_axis}},
+                    Unaligned(digit.straighten[2])});
 }
 
 std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
   std::vector<BoneRotation> result;
-  for (int finger = 0; finger < 4; ++finger) add_finger(result, finger, angles);
-  add_thumb(result, angles);
-  const double arch = angles[HandAngle::palm_arch];
-  for (const auto& [finger, share] : {std::pair{2, kRingArch}, std::pair{3, 1.0}}) {
-    if (fingers_[finger].metacarpal < 0) continue;
-    result.push_back(
-        bone_rotation(fingers_[finger].metacarpal, Quaterniond(AngleAxisd(share * arch, axes_.col(0)))));
+  result.reserve(bones_.size());
+  for (const RigBone& bone : bones_) {
+    const Quaterniond rotation = turned(bone.turns, angles) * Quaterniond(bone.straighten);
+    result.push_back({bone.bone, rotation.normalized().cast<float>()});
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "knuckle/hand/hand_angles.h"
+#include "knuckle/hand/hand_bones.h"
 #include "knuckle/hand/skinning.h"
 
 namespace knuckle {
@@ -26,9 +27,18 @@ Eigen::Matrix3d hand_axes(const Eigen::Vector3d& wrist, const Eigen::Vector3d& i
 /// The same of 22 posed landmarks.
 Eigen::Matrix3d hand_axes(const std::array<Point3, kSupersetSize>& landmarks);
 
+/// A bone of a body that the hand's angles turn, in body axes at rest: the turns of the straight hand, the
+/// first last applied, and before them what makes the mesh's hand straight.
+struct RigBone {
+  HandBone part = HandBone::palm;
+  int bone = 0;                 ///< of the body
+  std::vector<BoneTurn> turns;  ///< the first turns what the next have turned
+  Eigen::Quaternion<double, Eigen::DontAlign> straighten{1.0, 0.0, 0.0, 0.0};  ///< identity: is straight
+};
+
 /// Bends the right hand of one person by joint angles. Axes come from the person's joints at rest; the
 /// fingers, which a mesh at rest shows slightly bent, are first made straight, so that an angle of 0 means
-/// what it says.
+/// what it says. The mechanism is written down here once; HandSkeleton is the same without the mesh.
 ///
 /// The body's bones are named as MakeHuman's: finger1-1.R (the thumb's metacarpal) to finger5-3.R, and
 /// metacarpal1.R to metacarpal4.R, which a body may lack.
@@ -43,29 +53,16 @@ class HandRig {
   /// The hand's axes at rest, in body axes.
   const Eigen::Matrix3d& axes_at_rest() const { return axes_; }
 
- private:
-  /// A chain of three bones, made straight; directions in body axes at rest.
-  struct Digit {
-    std::array<int, 3> bones{};
-    std::array<Eigen::Vector3d, 3> directions;     ///< of the bones at rest
-    std::array<Eigen::Quaterniond, 3> straighten;  ///< of each bone relative to its parent
-    std::array<Eigen::Vector3d, 3> flexion_axes;   ///< at each joint, before the parent's own turn
-    Eigen::Vector3d spread_axis;                   ///< fingers only: towards the thumb
-    int metacarpal = -1;                           ///< -1 where the body lacks it
-  };
+  /// The bones that turn.
+  const std::vector<RigBone>& bones() const { return bones_; }
 
-  Digit digit_of(const ShapedBody& person, int number) const;
-  Digit finger_of(const ShapedBody& person, int finger) const;
-  Digit thumb_of(const ShapedBody& person) const;
-  Eigen::Quaterniond thumb_swing(double radial, double palmar) const;
-  void add_finger(std::vector<BoneRotation>& result, int finger, const HandAngles& angles) const;
-  void add_thumb(std::vector<BoneRotation>& result, const HandAngles& angles) const;
+ private:
+  void add_metacarpal(const Body& body, int finger, HandBone part, double share);
+  void add_finger(const ShapedBody& person, int finger);
+  void add_thumb(const ShapedBody& person);
 
   Eigen::Matrix3d axes_;
-  std::array<Digit, 4> fingers_;
-  Digit thumb_;
-  double thumb_rest_radial_ = 0.0;
-  double thumb_rest_palmar_ = 0.0;
+  std::vector<RigBone> bones_;
 };
 
 }  // namespace knuckle

@@ -112,7 +112,7 @@ TEST_F(HandRigTest, BonesKeepTheirLengths) {
   HandAngles bent;
   for (int i = 0; i < kHandAngleCount; ++i) bent.radians[i] = 0.1 + 0.02 * i;
   const auto straight = landmarks({});
-  const auto points = landmarks(within_limits(bent));
+  const auto points = landmarks(clamped(bent));
   for (int digit = 0; digit < 5; ++digit) {
     const int first = static_cast<int>(Landmark::thumb_cmc) + 4 * digit;
     for (int part = 0; part < 3; ++part) {

@@ -17,7 +17,7 @@ TEST(Gestures, AreManyAndEachHasItsOwnName) {
 
 TEST(Gestures, KeepToTheLimitsOfTheJoints) {
   for (const Gesture& gesture : gestures()) {
-    const HandAngles limited = within_limits(gesture.angles);
+    const HandAngles limited = clamped(gesture.angles);
     for (int i = 0; i < kHandAngleCount; ++i) {
       EXPECT_NEAR(limited.radians[i], gesture.angles.radians[i], 0.2) << gesture.name << ", angle " << i;
     }
@@ -34,31 +34,31 @@ TEST(Gestures, AreFoundByName) {
 TEST(HandAngles, LimitsAreKeptAndLeaveTheLimitedAlone) {
   HandAngles wild;
   for (int i = 0; i < kHandAngleCount; ++i) wild.radians[i] = i % 2 == 0 ? 7.0 : -7.0;
-  const HandAngles limited = within_limits(wild);
+  const HandAngles limited = clamped(wild);
   for (int i = 0; i < kHandAngleCount; ++i) {
     const AngleRange range = range_of(static_cast<HandAngle>(i));
     EXPECT_GE(limited.radians[i], range.low - 1e-12);
     EXPECT_LE(limited.radians[i], range.high + 1e-12);
   }
-  EXPECT_EQ(within_limits(limited), limited);
-  EXPECT_EQ(within_limits(HandAngles{}), HandAngles{});
+  EXPECT_EQ(clamped(limited), limited);
+  EXPECT_EQ(clamped(HandAngles{}), HandAngles{});
 }
 
 TEST(HandAngles, ABentFingerSpreadsLess) {
   HandAngles angles;
   angles[HandAngle::index_spread] = 0.4;
-  EXPECT_DOUBLE_EQ(within_limits(angles)[HandAngle::index_spread], 0.4);
+  EXPECT_DOUBLE_EQ(clamped(angles)[HandAngle::index_spread], 0.4);
   angles[HandAngle::index_mcp] = 1.5;
-  EXPECT_LT(within_limits(angles)[HandAngle::index_spread], 0.2);
+  EXPECT_LT(clamped(angles)[HandAngle::index_spread], 0.2);
 }
 
 TEST(HandAngles, TheDipFollowsThePip) {
   HandAngles angles;
   angles[HandAngle::ring_pip] = 1.8;
-  EXPECT_GT(within_limits(angles)[HandAngle::ring_dip], 0.3);
+  EXPECT_GT(clamped(angles)[HandAngle::ring_dip], 0.3);
   angles[HandAngle::ring_pip] = 0.0;
   angles[HandAngle::ring_dip] = 1.3;
-  EXPECT_LT(within_limits(angles)[HandAngle::ring_dip], 0.4);
+  EXPECT_LT(clamped(angles)[HandAngle::ring_dip], 0.4);
 }
 
 TEST(HandAngles, InterpolateFromOneToTheOther) {

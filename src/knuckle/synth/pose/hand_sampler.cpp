@@ -235,7 +235,7 @@ void check(const HandPoseOptions& options, std::string_view what) {
 }
 
 HandAngles sampled_hand(const HandPoseOptions& options, Random& random) {
-  return within_limits(unlimited_hand(options, random));
+  return clamped(unlimited_hand(options, random));
 }
 
 }  // namespace knuckle

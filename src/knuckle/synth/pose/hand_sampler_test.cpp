@@ -13,7 +13,7 @@ TEST(HandSampler, EverySampleKeepsToTheLimits) {
   Random random(3);
   for (int i = 0; i < 2000; ++i) {
     const HandAngles hand = sampled_hand({}, random);
-    EXPECT_EQ(within_limits(hand), hand);
+    EXPECT_EQ(clamped(hand), hand);
   }
 }
 
@@ -45,7 +45,7 @@ TEST(HandSampler, AKindWithoutAShareIsNotDrawn) {
   for (int i = 0; i < 200; ++i) {
     const HandAngles hand = sampled_hand(gestures_only, random);
     EXPECT_TRUE(std::ranges::any_of(
-        gestures(), [&](const Gesture& gesture) { return within_limits(gesture.angles) == hand; }));
+        gestures(), [&](const Gesture& gesture) { return clamped(gesture.angles) == hand; }));
   }
 }
 
@@ -62,8 +62,8 @@ TEST(HandSampler, DrawsOnlyTheGesturesThatAreLeft) {
   Random random(6);
   for (int i = 0; i < 100; ++i) {
     const HandAngles hand = sampled_hand(options, random);
-    EXPECT_TRUE(hand == within_limits(gesture_from_name("rock").angles) ||
-                hand == within_limits(gesture_from_name("four").angles));
+    EXPECT_TRUE(hand == clamped(gesture_from_name("rock").angles) ||
+                hand == clamped(gesture_from_name("four").angles));
   }
 }
 
