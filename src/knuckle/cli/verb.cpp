@@ -11,12 +11,9 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
-<<<<<<< HEAD
 #include "knuckle/core/suggestion.h"
 #include "knuckle/pipeline/run.h"
-=======
 #include "knuckle/pipeline/start.h"
->>>>>>> work/flow
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle::cli {
