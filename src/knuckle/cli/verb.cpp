@@ -12,7 +12,6 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/suggestion.h"
-#include "knuckle/pipeline/run.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/storage/file_io.h"
 
