@@ -6,6 +6,7 @@ usage: extending_test.py BUILD_FOLDER        (package/install builds and runs th
 """
 import array
 import json
+import os
 import pathlib
 import shlex
 import shutil
@@ -47,7 +48,8 @@ def apply_change(tree, block):
 
 
 def run(command, **options):
-    result = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    environment = {**os.environ, "KNUCKLE_HOME": str(PROJECT)}  # the program lies outside of the build
+    result = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, **options)
     assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
     return result.stdout
 
