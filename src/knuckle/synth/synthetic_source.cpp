@@ -14,6 +14,7 @@
 #include "knuckle/hand/body_file.h"
 #include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/people/people.h"
+#include "knuckle/synth/pose/motion.h"
 #include "knuckle/synth/render/rasteriser.h"
 #include "knuckle/synth/render/surface_angle.h"
 #include "knuckle/synth/render/view_culling.h"
