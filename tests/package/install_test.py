@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 try:
     import h5py
@@ -148,16 +149,17 @@ def check_demo(prefix, scratch):
     assert error < 25, output
 
 
-def check_missing_data(prefix, scratch):
+def check_missing_data(prefix):
     """Without its files the program says where it looked."""
-    alone = scratch / "alone"
-    shutil.copytree(prefix / "bin", alone / "bin")
-    shutil.copytree(prefix / "lib", alone / "lib", symlinks=True)
-    command = [alone / "bin/knuckle", "estimate", "--source", "h5:none.h5", "--out", scratch / "none.txt"]
-    result = subprocess.run(command, capture_output=True, check=False, env=ENVIRONMENT)
-    message = result.stderr.decode()
-    assert result.returncode == 1 and message.startswith("knuckle: ") and message.count("\n") == 1, message
-    assert str(alone) in message and "KNUCKLE_HOME" in message and "set_data_folder" in message, message
+    with tempfile.TemporaryDirectory() as scratch:
+        alone = pathlib.Path(scratch)
+        for name in ("bin", "lib"):
+            shutil.copytree(prefix / name, alone / name, symlinks=True)
+        command = [alone / "bin/knuckle", "estimate", "--source", "h5:none.h5", "--out", alone / "none.txt"]
+        result = subprocess.run(command, capture_output=True, check=False, env=ENVIRONMENT)
+        message = result.stderr.decode()
+        assert result.returncode == 1 and message.startswith("knuckle: ") and message.count("\n") == 1, message
+        assert str(alone) in message and "KNUCKLE_HOME" in message and "set_data_folder" in message, message
 
 
 # ---- programs of others ----
@@ -240,7 +242,7 @@ def main(build):
     check_header_texts(prefix)
     check_links(prefix)
     check_demo(prefix, scratch)
-    check_missing_data(prefix, scratch)
+    check_missing_data(prefix)
     check_headers_compile(prefix, scratch)
     check_layouts(prefix, scratch)
     check_standard(prefix, scratch)
