@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What the library needs: Debian packages, found here once for all modules; scripts/setup.sh installs them. An installed
-# Knuckle reads this file too, for the programs that use it.
+# What the libraries are built with: Debian packages, found here once for all modules; scripts/setup.sh installs them. Who uses
+# an installed Knuckle needs Eigen and fmt alone (knuckleConfig.cmake.in).
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(TBB REQUIRED)

@@ -26,13 +26,16 @@ function(knuckle_compile_for level target)
   target_link_libraries(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
 endfunction()
 
-# knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...] [TESTED_WITH target ...])
+# knuckle_add_module(NAME SOURCES ... [PUBLIC_HEADERS ...] [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...]
+#                    [TESTED_WITH target ...])
 #
 # Makes the static library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
-# DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those only its sources use; TESTED_WITH what
+# PUBLIC_HEADERS are installed for programs that use Knuckle; they include public headers, Eigen and fmt only (tests/package).
+# Headers that are not listed are private. DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those
+# only its sources use; TESTED_WITH what
 # its tests use besides.
 function(knuckle_add_module name)
-  cmake_parse_arguments(module "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE;TESTS;TESTED_WITH" ${ARGN})
+  cmake_parse_arguments(module "" "" "SOURCES;PUBLIC_HEADERS;DEPENDS;PUBLIC;PRIVATE;TESTS;TESTED_WITH" ${ARGN})
   list(TRANSFORM module_DEPENDS PREPEND knuckle_)
   add_library(knuckle_${name} STATIC ${module_SOURCES})
   target_include_directories(knuckle_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
@@ -44,6 +47,9 @@ function(knuckle_add_module name)
   foreach(level IN LISTS KNUCKLE_OTHER_LEVELS)
     knuckle_compile_for(${level} knuckle_${name} ${module_SOURCES})
   endforeach()
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+  list(TRANSFORM module_PUBLIC_HEADERS PREPEND ${folder}/)
+  set_property(GLOBAL APPEND PROPERTY KNUCKLE_PUBLIC_HEADERS ${module_PUBLIC_HEADERS})
   if(module_TESTS)
     add_executable(knuckle_${name}_test ${module_TESTS})
     knuckle_group_sources(knuckle_${name}_test)

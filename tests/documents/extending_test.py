@@ -6,6 +6,7 @@ usage: extending_test.py BUILD_FOLDER        (package/install builds and runs th
 """
 import array
 import json
+import os
 import pathlib
 import shlex
 import shutil
@@ -18,7 +19,7 @@ from documents import PROJECT, SKIPPED, blocks_of
 PAGE = PROJECT / "docs/extending.md"
 EXAMPLE = PROJECT / "examples/own_method"
 # Where the page says that the example's files go.
-PLACES = {"ball_segmenter.h": "segment", "pointing_estimator.h": "estimate", "raw_depth_source.h": "data"}
+PLACES = {"ball_segmenter.h": "segment", "pointing_estimator.h": "estimate", "raw_depth_source.h": "data/readers"}
 TIP = (150, 100, 400.0)  # column, row, depth of the point that the made-up finger shows
 
 
@@ -46,8 +47,9 @@ def apply_change(tree, block):
     return path
 
 
-def run(command, **options):
-    result = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+def run(command, environment=(), **options):
+    environment = {**os.environ, **dict(environment)}
+    result = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, **options)
     assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
     return result.stdout
 
@@ -68,14 +70,33 @@ def includes(group, source):
     return group.name.startswith("unity_") and f'"{source}"' in group.read_text(encoding="utf-8")
 
 
-def compiled(source, tree, build, folder):
-    """The object of a changed file, or of the group that it is compiled in, as the project's build does, but without optimising."""
+def link_commands(build):
+    """Of each shared library of the project, what links it, as a list of words; by the name that programs load it by."""
+    commands = {}
+    for name in ("knuckle_runtime", "knuckle"):
+        lines = run(["ninja", "-C", str(build), "-t", "commands", f"lib/lib{name}.so"]).split("\n")
+        line = next(line for line in reversed(lines) if f" -o lib/lib{name}.so" in line)
+        words = shlex.split(line)
+        words = words[words.index("&&") + 1:]
+        words = words[:words.index("&&")]
+        soname = next(word for word in words if word.startswith("-Wl,-soname,"))
+        commands[soname.removeprefix("-Wl,-soname,")] = words
+    return commands
+
+
+def compiled(source, tree, build, folder, linked_objects):
+    """The object of a changed file, or of the group that it is compiled in, as the project's build does, but without optimising; and
+    the object that it stands for."""
     original = str(PROJECT / source.relative_to(tree))
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    command = next(
-        entry for entry in commands if entry["file"] == original or includes(pathlib.Path(entry["file"]), original)
-    )
-    words = shlex.split(command["command"].replace(str(PROJECT / "src"), str(tree / "src")))
+    for command in commands:
+        words = shlex.split(command["command"].replace(str(PROJECT / "src"), str(tree / "src")))
+        replaced = words[words.index("-o") + 1]
+        is_it = command["file"] == original or includes(pathlib.Path(command["file"]), original)
+        if is_it and replaced in linked_objects:
+            break
+    else:
+        raise AssertionError(f"{source} is in no library")
     if command["file"] != original:
         source = folder / f"group_of_{source.name}"
         group = pathlib.Path(command["file"]).read_text(encoding="utf-8")
@@ -84,20 +105,16 @@ def compiled(source, tree, build, folder):
     target = folder / f"{source.stem}.o"
     words[words.index("-o") + 1] = str(target)
     run([*words, "-O0"], cwd=command["directory"])
-    return str(target)
+    return replaced, str(target)
 
 
-def linked(objects, build, folder):
-    """The program, linked as the project's build does, with these objects in place of the library's."""
-    last = run(["ninja", "-C", str(build), "-t", "commands", "bin/knuckle"]).strip().split("\n")[-1]
-    words = shlex.split(last)
-    words = words[words.index("&&") + 1:]
-    words = words[:words.index("&&")]
-    program = str(folder / "knuckle")
-    words[words.index("-o") + 1] = program
-    first_library = next(i for i, word in enumerate(words) if word.endswith(".a"))
-    run([*words[:first_library], *objects, *words[first_library:]], cwd=build)
-    return program
+def link(commands, objects, build, folder):
+    """The libraries with new objects in place of old ones, in `folder`."""
+    folder.mkdir()
+    for soname, words in commands.items():
+        new = [objects.get(word, word) for word in words]
+        new[new.index("-o") + 1] = str(folder / soname)
+        run(new, cwd=build)
 
 
 def write_depth(path):
@@ -112,13 +129,15 @@ def write_depth(path):
     path.write_bytes(depth.tobytes())
 
 
-def check_program(program, folder):
-    kinds = json.loads(run([program, "info", "--json"]))
+def check_program(program, libraries, folder):
+    environment = {"LD_LIBRARY_PATH": str(libraries), "KNUCKLE_HOME": str(PROJECT)}  # no models lie beside these libraries
+    kinds = json.loads(run([program, "info", "--json"], environment))
     assert "ball" in kinds["segmenters"] and "pointing" in kinds["estimators"] and "raw" in kinds["sources"], kinds
     pipeline = next(block for block in blocks_of(PAGE, "toml"))
     (folder / "own.toml").write_text(pipeline.text, encoding="utf-8")
     write_depth(folder / "depth.f32")
-    run([program, "estimate", "--source", "raw:depth.f32", "--pipeline", "own.toml", "--out", "poses.txt"], cwd=folder)
+    run([program, "estimate", "--source", "raw:depth.f32", "--pipeline", "own.toml", "--out", "poses.txt"], environment,
+        cwd=folder)
     name, *lines = (folder / "poses.txt").read_text(encoding="utf-8").splitlines()
     assert name == "# convention: pointing2", name
     for line, farther in zip(lines, (0.0, 50.0), strict=True):
@@ -136,8 +155,11 @@ def main(build):
         folder = pathlib.Path(scratch)
         tree, changed = changed_tree(folder)
         assert len(changed) == 3
-        program = linked([compiled(source, tree, build, folder) for source in changed], build, folder)
-        check_program(program, folder)
+        commands = link_commands(build)
+        linked_objects = {word for words in commands.values() for word in words}
+        objects = dict(compiled(source, tree, build, folder, linked_objects) for source in changed)
+        link(commands, objects, build, folder / "lib")
+        check_program(str(build / "bin/knuckle"), folder / "lib", folder)
     return 0
 
 

@@ -2,16 +2,92 @@
 #include "knuckle/core/resources.h"
 
 #include <cstdlib>
+#include <mutex>
+
+#include <dlfcn.h>
+#include <link.h>
+
+#include "knuckle/core/error.h"
 
 namespace knuckle {
+namespace {
 
-std::filesystem::path resource_path(std::string_view relative) {
-  if (const char* home = std::getenv("KNUCKLE_HOME")) return std::filesystem::path(home) / relative;
-  std::error_code ignored;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  const std::filesystem::path installed = program.parent_path().parent_path() / "share/knuckle";
-  const bool is_installed = std::filesystem::is_directory(installed / "pipelines", ignored);
-  return (is_installed ? installed : std::filesystem::path(KNUCKLE_SOURCE_TREE)) / relative;
+namespace fs = std::filesystem;
+
+constexpr const char* kInstalledFolder = "share/knuckle";
+// From PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3, where a processor's own variant of the library
+// lies, it is four folders up to PREFIX.
+constexpr int kFoldersAbove = 4;
+
+/// What set_data_folder was told.
+class ChosenFolder {
+ public:
+  void set(fs::path folder) {
+    const std::lock_guard lock(mutex_);
+    folder_ = std::move(folder);
+  }
+  fs::path get() const {
+    const std::lock_guard lock(mutex_);
+    return folder_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  fs::path folder_;
+};
+
+ChosenFolder& chosen_folder() {
+  static ChosenFolder folder;
+  return folder;
+}
+
+/// The shared library that contains this function, or the program where it was linked into that.
+fs::path own_file() {
+  Dl_info ignored{};
+  link_map* library = nullptr;
+  const int found = ::dladdr1(reinterpret_cast<void*>(&own_file), &ignored,
+                              reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP);
+  const bool is_library = found != 0 && library != nullptr && library->l_name[0] != '\0';
+  std::error_code unknown;
+  const fs::path path = fs::canonical(is_library ? library->l_name : "/proc/self/exe", unknown);
+  return unknown ? fs::path() : path;
+}
+
+fs::path find_installed_folder() {
+  const fs::path start = own_file().parent_path();
+  fs::path folder = start;
+  std::error_code unknown;
+  for (int above = 0; above <= kFoldersAbove; ++above, folder = folder.parent_path()) {
+    // A build's share/knuckle is a link to the source tree: that is the name to show.
+    if (fs::is_directory(folder / kInstalledFolder, unknown)) return fs::canonical(folder / kInstalledFolder);
+  }
+  fail(
+      "Knuckle's models and pipelines cannot be found: there is no {} in {} or the {} folders above it; "
+      "install "
+      "Knuckle as a whole, set KNUCKLE_HOME to the folder that holds models/ and pipelines/, or call "
+      "set_data_folder() in your program",
+      kInstalledFolder, start.string(), kFoldersAbove);
+}
+
+}  // namespace
+
+void set_data_folder(const fs::path& folder) {
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown)) {
+    fail(
+        "{}: set_data_folder() expects the folder that holds Knuckle's models and pipelines; this is not a "
+        "folder",
+        folder.string());
+  }
+  chosen_folder().set(fs::absolute(folder));
+}
+
+fs::path resource_path(std::string_view relative) {
+  const fs::path chosen = chosen_folder().get();
+  if (!chosen.empty()) return chosen / relative;
+  if (const char* home = std::getenv("KNUCKLE_HOME")) return fs::path(home) / relative;
+  static const fs::path installed = find_installed_folder();
+  return installed / relative;
 }
 
 }  // namespace knuckle

@@ -9,6 +9,9 @@ namespace knuckle {
 /// Runs this very program with other arguments, as in {"train", "network", ...}, and waits for its end.
 /// Its output appears as ours. It ends with us, however we end. Throws an Error with the last line of its
 /// error output where it fails.
+///
+/// "This very program" is what the process runs: the module `experiment` is part of the program `knuckle`
+/// alone, not of the libraries, so that it is never the program of a user.
 void run_own_program(const std::vector<std::string>& arguments);
 
 }  // namespace knuckle

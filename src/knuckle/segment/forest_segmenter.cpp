@@ -9,12 +9,10 @@
 #include <string_view>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
-
 #include "knuckle/core/error.h"
-#include "knuckle/core/image_cv.h"
 #include "knuckle/segment/components.h"
 #include "knuckle/segment/hand_region.h"
+#include "knuckle/segment/mask_filters.h"
 
 namespace knuckle {
 namespace {
@@ -29,20 +27,11 @@ void check_odd(int size, std::string_view name) {
 
 /// Majority, closing, opening: each a square of that many pixels.
 void clean(Image<std::uint8_t>& mask, const ForestSegmenterOptions& options) {
-  cv::Mat_<std::uint8_t> view = cv_view(mask);
-  // For a mask the median is the majority: a mean against a half, which OpenCV computes for any size.
-  if (options.median_px > 1) {
-    cv::Mat sums;
-    cv::boxFilter(view, sums, CV_32S, {options.median_px, options.median_px}, {-1, -1}, false,
-                  cv::BORDER_CONSTANT);
-    const int half = options.median_px * options.median_px / 2;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-      mask.data()[i] = sums.ptr<std::int32_t>()[i] > half ? 1 : 0;
-    }
-  }
-  const auto square = [](int side) { return cv::getStructuringElement(cv::MORPH_RECT, {side, side}); };
-  if (options.closing_px > 1) cv::morphologyEx(view, view, cv::MORPH_CLOSE, square(options.closing_px));
-  if (options.opening_px > 1) cv::morphologyEx(view, view, cv::MORPH_OPEN, square(options.opening_px));
+  const int closing = options.closing_px;
+  const int opening = options.opening_px;
+  if (options.median_px > 1) mask = majority(mask, options.median_px);
+  if (closing > 1) mask = eroded(dilated(mask, closing), closing);
+  if (opening > 1) mask = dilated(eroded(mask, opening), opening);
 }
 
 /// Whether the surface ends beside this pixel of the image: the neighbour's depth is much larger, or missing.

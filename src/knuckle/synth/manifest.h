@@ -7,8 +7,8 @@
 
 #include "knuckle/core/camera.h"
 #include "knuckle/synth/pose/hand_sampler.h"
-#include "knuckle/synth/pose/motion.h"
-#include "knuckle/synth/scene/placement.h"
+#include "knuckle/synth/pose/motion_options.h"
+#include "knuckle/synth/scene/placement_options.h"
 #include "knuckle/synth/sensor/sensor.h"
 
 namespace knuckle {

