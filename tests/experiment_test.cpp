@@ -133,7 +133,8 @@ TEST_F(ExperimentTest, AFailedTrainingPassesItsErrorOn) {
                   "source = \"synthetic:scene.toml\"\nvalidation = \"synthetic:scene.toml\"\n"
                   "[patch]\nmode = \"cube\"\n[samples]\nmemory_gb = 0.00001\n");
   EXPECT_THAT(run(), FailedWith("more than memory_gb"));
-  EXPECT_THAT(run({"--device", "abacus"}), FailedWith("memory_gb")) << "sources are looked at first";
+  EXPECT_THAT(run({"--device", "abacus"}), FailedWith("device is \"abacus\""))
+      << "the device is asked for first";
 }
 
 TEST_F(ExperimentTest, NamesWhatIsWrong) {

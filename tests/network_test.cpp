@@ -45,7 +45,8 @@ class NetworkTest : public ::testing::Test {
   }
 
   ProgramRun estimate(const std::string& toml) {
-    write_text_file(path("pipeline.toml"), toml);
+    // So short a training is sure of nothing.
+    write_text_file(path("pipeline.toml"), toml + "[hand]\nsure_confidence = 0.0\n");
     return run_program({"estimate", "--source", "synthetic:manifests/demo.toml?count=3", "--pipeline",
                         path("pipeline.toml"), "--out", path("poses.txt")});
   }

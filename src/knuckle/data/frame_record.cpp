@@ -127,7 +127,8 @@ struct Value {
   std::string where;
 
   [[noreturn]] void fail_expected(std::string_view what) const {
-    fail("{}: expected {}, found {}", where, what, json.type_name());
+    fail("{}: expected {}, found {}", where, what,
+         json.is_number() ? json.dump() : std::string(json.type_name()));
   }
   double number() const {
     if (!json.is_number()) fail_expected("a number");

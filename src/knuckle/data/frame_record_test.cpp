@@ -200,7 +200,7 @@ TEST(FrameRecord, NamesPlaceAndFaultOfALineThatIsNone) {
   EXPECT_THAT(fault(R"({"frame":1})"), HasSubstr("lacks the key 'name'"));
   EXPECT_THAT(fault(start + R"("hands":{}})"), HasSubstr("r.jsonl:7: hands: expected a list"));
   EXPECT_THAT(fault(start + R"("hands":[{"id":0}]})"), HasSubstr("hands[0]: id: is out of range"));
-  EXPECT_THAT(fault(R"({"frame":1.5})"), HasSubstr("lacks the key"));
+  EXPECT_THAT(fault(R"({"frame":1.5})"), HasSubstr("r.jsonl:7: frame: expected a whole number, found 1.5"));
   EXPECT_THAT(fault(start + R"("hands":[],"latency_ms":"1"})"), HasSubstr("latency_ms: expected a number"));
   const std::string hand = R"("hands":[{"id":1,"side":null,"score":0.5,"landmarks_mm":)";
   EXPECT_THAT(fault(start + hand + R"({"wrist":null},"landmarks_px":{},"confidence":{}}]})"),
