@@ -7,6 +7,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/pipeline/estimate_files.h"
+#include "knuckle/pipeline/run_warnings.h"
 #include "knuckle/prepare/inputs.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/prepare/source_fingerprint.h"
@@ -78,11 +79,15 @@ void run_estimate(const EstimateArguments& arguments) {
   const auto source = open_source(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
   warn_of_replacement(arguments);
-  const auto [counts, durations] = estimate_to_files(*source, pipeline, files_of(arguments, pipeline));
+  RunWarnings warnings;
+  EstimateFiles files = files_of(arguments, pipeline);
+  files.warnings = &warnings;
+  const auto [counts, durations] = estimate_to_files(*source, pipeline, files);
   const std::optional<double> median_ms = durations.total.median_ms();
   fmt::print("{} frames, hand found in {}{}: {}\n", counts.frames, counts.found,
              median_ms ? fmt::format(", median {:.2f} ms per frame", *median_ms) : "",
              arguments.out.string());
+  for (const std::string& message : warnings.messages()) fmt::print(stderr, "warning: {}\n", message);
   tell_of_faults(arguments, counts);
 }
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/estimate/create_estimator.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/estimate/network_estimator.h"
 #include "knuckle/estimate/pose_forest.h"
 
@@ -17,7 +15,7 @@ namespace knuckle {
 
 namespace {
 
-struct Method {
+struct EstimationMethod {
   std::string_view name;
   /// Reads the options of the method alone from the table, then the model, where it has one.
   std::unique_ptr<Estimator> (*load)(const OptionTable& table);
@@ -46,20 +44,16 @@ std::unique_ptr<Estimator> load_network_estimator(const OptionTable& table) {
 }
 
 constexpr std::array kMethods{
-    Method{"forest", load_forest},
-    Method{"dense", load_network_estimator},
-    Method{"heatmap2d", load_network_estimator},
-    Method{"heatmap25d", load_network_estimator},
-    Method{"regression", load_network_estimator},
-    Method{"pca", load_network_estimator},
-    Method{"autoencoder", load_network_estimator},
+    EstimationMethod{"forest", load_forest},
+    EstimationMethod{"dense", load_network_estimator},
+    EstimationMethod{"heatmap2d", load_network_estimator},
+    EstimationMethod{"heatmap25d", load_network_estimator},
+    EstimationMethod{"regression", load_network_estimator},
+    EstimationMethod{"pca", load_network_estimator},
+    EstimationMethod{"autoencoder", load_network_estimator},
 };
 
-constexpr auto kNames = [] {
-  std::array<std::string_view, kMethods.size()> names;
-  std::ranges::transform(kMethods, names.begin(), &Method::name);
-  return names;
-}();
+constexpr auto kNames = names_of(kMethods);
 
 /// What the table asks of the model.
 struct Expectations {
@@ -94,11 +88,8 @@ std::span<const std::string_view> estimator_names() {
 
 std::unique_ptr<Estimator> create_estimator(const OptionTable& table) {
   const std::string name = table.required_text("method");
-  const auto method = std::ranges::find(kMethods, name, &Method::name);
-  if (method == kMethods.end()) {
-    const std::vector<std::string> known(kNames.begin(), kNames.end());
-    table.fail_at("method", fmt::format("no estimator \"{}\"; known: {}", name, joined(known)));
-  }
+  const EstimationMethod* const method = row_named(kMethods, name);
+  if (method == nullptr) table.fail_at("method", unknown_name("estimator", name, kNames));
   Expectations expected;
   table.read(expected);
   std::unique_ptr<Estimator> estimator = method->load(table);

@@ -7,6 +7,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/ordered_work.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/pipeline/run_warnings.h"
 
 namespace knuckle {
 namespace {
@@ -18,9 +19,11 @@ int frames_in_flight(const RunOptions& options) {
   return options.frames_in_flight > 0 ? options.frames_in_flight : kFramesPerThread * thread_count();
 }
 
-FrameResult result_of(std::int64_t index, const Frame& frame, const Pipeline& pipeline, Start start) {
-  const Search search{.start = start_in(frame, start), .max_hands = pipeline.hand().max_hands};
+FrameResult result_of(std::int64_t index, const Frame& frame, const Pipeline& pipeline,
+                      const RunOptions& options) {
+  const Search search{.start = start_in(frame, options.start), .max_hands = pipeline.hand().max_hands};
   FrameResult result{index, frame.name, frame.time_s, frame.camera, pipeline.estimate(frame, search), {}};
+  if (options.warnings != nullptr) options.warnings->add(frame, result.estimate);
   for (HandEstimate& hand : result.estimate.hands) hand.region.mask = {};
   return result;
 }
@@ -52,7 +55,8 @@ Arrival next_of(FrameStream& stream) {
 }
 
 /// Whoever reads frames in any order may tell a faulty image from faulty labels.
-FrameResult result_of(const FrameSource& source, std::int64_t index, const Pipeline& pipeline, Start start) {
+FrameResult result_of(const FrameSource& source, std::int64_t index, const Pipeline& pipeline,
+                      const RunOptions& options) {
   Frame frame;
   try {
     frame = source.read(index);
@@ -62,7 +66,7 @@ FrameResult result_of(const FrameSource& source, std::int64_t index, const Pipel
     result.camera = camera;
     return result;
   }
-  return result_of(index, frame, pipeline, start);
+  return result_of(index, frame, pipeline, options);
 }
 
 }  // namespace
@@ -83,7 +87,7 @@ void estimate_each(FrameStream& stream, const Pipeline& pipeline, const RunOptio
     const auto arrival = std::make_shared<Arrival>(next_of(stream));
     if (!arrival->frame && arrival->fault.empty()) return {};
     return [&, arrival, number = index++] {
-      FrameResult result = arrival->frame ? result_of(number, *arrival->frame, pipeline, options.start)
+      FrameResult result = arrival->frame ? result_of(number, *arrival->frame, pipeline, options)
                                           : unreadable(number, std::move(arrival->fault));
       arrival->frame.reset();
       return delivery_of(std::move(result), take);
@@ -101,9 +105,7 @@ void estimate_each(const FrameSource& source, const Pipeline& pipeline, const Ru
   std::int64_t index = options.first;
   const auto next = [&]() -> Job {
     if (index == source.size()) return {};
-    return [&, number = index++] {
-      return delivery_of(result_of(source, number, pipeline, options.start), take);
-    };
+    return [&, number = index++] { return delivery_of(result_of(source, number, pipeline, options), take); };
   };
   run_in_order(next, frames_in_flight(options));
 }

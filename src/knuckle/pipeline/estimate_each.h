@@ -13,6 +13,8 @@
 
 namespace knuckle {
 
+class RunWarnings;
+
 /// What a pipeline made of one frame of a source or stream. The frame's images are not kept, nor are the
 /// masks of its hands (`HandRegion::mask` is empty).
 struct FrameResult {
@@ -32,6 +34,7 @@ struct RunOptions {
   /// Frames that may be in the works at a time, at most: each may hold its images. [0, 65536]; 0: four per
   /// thread.
   int frames_in_flight = 0;
+  RunWarnings* warnings = nullptr;  ///< takes note of each frame that can be read; null: nobody does
 
   /// Throws an Error that names the field that is out of range.
   void check() const;

@@ -20,6 +20,7 @@ struct EstimateFiles {
   Start start = Start::nearest;
   RunIdentity identity;  ///< what else the results depend on: contents of source and models, options, version
   GrowingFiles::Begin begin = GrowingFiles::Begin::anew;
+  RunWarnings* warnings = nullptr;  ///< takes note of each frame of this run; null: nobody does
   /// Called when all frames are done, before the files get their names: for what is written beside them.
   std::function<void()> finish = [] {};
 };

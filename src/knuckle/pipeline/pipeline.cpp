@@ -143,6 +143,7 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
         timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, 1); });
     result.status = std::move(found.reason);
     add_hands(frame, std::move(found.hands), result);
+    if (!result.hands.empty()) look_at_start(frame, *search.start, result.hands.front(), result.times);
   }
   const std::size_t at_start = result.hands.size();
   if (search.elsewhere.value_or(!search.start)) look_elsewhere(frame, search.max_hands, result);
@@ -172,6 +173,16 @@ void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, Fr
   for (HandRegion& region : regions) {
     if (auto hand = hand_in(frame, std::move(region), result.times)) result.hands.push_back(*std::move(hand));
   }
+}
+
+/// Segmentation may leave the start for something larger beside it, an arm. Where the pose there is not sure,
+/// the start itself is looked at, and the surer pose is kept.
+void Pipeline::look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand,
+                             StageTimes& times) const {
+  const PatchOptions patches = estimator_->patch_options();
+  if (is_sure(hand) || !patches.is_cube()) return;
+  auto other = hand_in(frame, region_in_cube(frame, start, patches.cube_mm), times);
+  if (other && other->score > hand.score) hand = *std::move(other);
 }
 
 void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const {

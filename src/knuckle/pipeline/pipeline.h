@@ -92,6 +92,7 @@ class Pipeline {
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
+  void look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand, StageTimes& times) const;
   void look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const;
   std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const;

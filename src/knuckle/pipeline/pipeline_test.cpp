@@ -232,6 +232,46 @@ TEST(PipelineFromParts, TrustsAGivenStart) {
   EXPECT_EQ(seen.calls, 1);
 }
 
+/// Is surer the nearer the middle of the cube that it sees is to column 9 of the image.
+class CubeEstimator final : public Estimator {
+ public:
+  Convention convention() const override { return {"corner1", kPalm}; }
+  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  PatchOptions patch_options() const override { return {.size_px = 10, .mode = "cube", .cube_mm = 100.0}; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    const double off = std::abs(patch.geometry.centre_u - 9.0);
+    return {{{0.0, 0.0, 0.0}}, {static_cast<float>(0.6 - 0.1 * off)}};
+  }
+
+ private:
+  static constexpr std::array kPalm = {Landmark::palm};
+  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+};
+
+/// Leaves its start for what lies three columns to the right of it.
+class StrayingSegmenter final : public Segmenter {
+ public:
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    for (HandRegion& region : found.hands) region.centre.x() += 3.0 * 500.0 / 30.0;
+    return found;
+  }
+};
+
+TEST(PipelineFromParts, LooksAtTheStartItselfWhereSegmentationLeftItForWhatIsNotSure) {
+  const HandOptions hand{.sure_confidence = 0.5};
+  const Pipeline pipeline(
+      {HandFinder(std::make_unique<StrayingSegmenter>(), hand), std::make_unique<CubeEstimator>()});
+  const auto column = [](double u) { return Point3((u - 19.5) * 500.0 / 30.0, 0.0, 500.0); };
+  const auto score_from = [&](double u) {
+    return pipeline.estimate(plate(), {.start = column(u)}).hands.at(0).score;
+  };
+  EXPECT_NEAR(score_from(9.0), 0.6, 1e-6);   // where segmentation led to: 0.3
+  EXPECT_NEAR(score_from(6.5), 0.55, 1e-6);  // sure there: the start (0.35) is not looked at
+  EXPECT_NEAR(score_from(7.0), 0.5, 1e-6);   // at column 10
+  EXPECT_NEAR(score_from(4.0), 0.4, 1e-6);   // at column 7; less at the start
+}
+
 TEST(PipelineFromParts, IsSureOfAStartWhoseScoreIsHigh) {
   const Pipeline pipeline = column_pipeline({6, 8}, std::make_unique<ColumnEstimator>());
   const FrameEstimate found = pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 500.0)});

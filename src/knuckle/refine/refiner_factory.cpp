@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/refine/refiner_factory.h"
 
-#include <algorithm>
 #include <array>
-#include <string>
-#include <vector>
+#include <string_view>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/refine/depth_lookup.h"
 
 namespace knuckle {
 namespace {
-
-// The table of methods: their names here, what makes them below.
-constexpr std::array<std::string_view, 1> kNames{"depth_lookup"};
 
 template <class Method, class Options>
 std::unique_ptr<Refiner> create(const OptionTable& table) {
@@ -24,8 +19,16 @@ std::unique_ptr<Refiner> create(const OptionTable& table) {
   return std::make_unique<Method>(options);
 }
 
-using Create = std::unique_ptr<Refiner> (*)(const OptionTable& table);
-constexpr std::array<Create, kNames.size()> kCreate{create<DepthLookup, DepthLookupOptions>};
+struct RefinementMethod {
+  std::string_view name;
+  /// Reads all keys of the table but `method`.
+  std::unique_ptr<Refiner> (*create)(const OptionTable& table);
+};
+
+constexpr std::array kMethods{
+    RefinementMethod{"depth_lookup", create<DepthLookup, DepthLookupOptions>},
+};
+constexpr auto kNames = names_of(kMethods);
 
 }  // namespace
 
@@ -34,12 +37,9 @@ std::span<const std::string_view> refiner_names() {
 }
 
 std::unique_ptr<Refiner> create_refiner(std::string_view name, const OptionTable& table) {
-  const auto place = std::ranges::find(kNames, name);
-  if (place == kNames.end()) {
-    fail("there is no refinement method \"{}\"; known: {}", name,
-         joined(std::vector<std::string>(kNames.begin(), kNames.end())));
-  }
-  return kCreate[static_cast<std::size_t>(place - kNames.begin())](table);
+  const RefinementMethod* const method = row_named(kMethods, name);
+  if (method == nullptr) fail("{}", unknown_name("refinement method", name, kNames));
+  return method->create(table);
 }
 
 std::unique_ptr<Refiner> create_refiner(const OptionTable& table) {

@@ -22,7 +22,7 @@ constexpr double kSpeckleRadius = 3.0;  // [bandwidths]
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 // The first part of a search looks at no more points than this (of those in the depth interval), and no
 // longer.
-constexpr int kFewPoints = 8192;
+constexpr int kFewPoints = 16'384;
 constexpr int kMostFirstIterations = 40;  // a hand takes 14 to 20
 
 std::optional<Point3> nearest_point(const Image<float>& depth_mm, const RayTable& rays) {

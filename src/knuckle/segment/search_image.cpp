@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/segment/search_image.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
 namespace knuckle {
 
 int search_stride(const Image<float>& depth_mm, int most) {
+  if (depth_mm.size() <= static_cast<std::size_t>(most)) return 1;
   std::int64_t measured = 0;
   for (int row = 0; row < depth_mm.height(); ++row) {
     int in_row = 0;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/segment/segmenter_factory.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
-#include <string>
-#include <vector>
+#include <string_view>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/segment/forest_segmenter.h"
 #include "knuckle/segment/mean_shift_segmenter.h"
 #include "knuckle/segment/segmentation_forest.h"
@@ -16,9 +14,6 @@
 
 namespace knuckle {
 namespace {
-
-// The table of methods: their names here, what makes them below.
-constexpr std::array<std::string_view, 3> kNames{"mean_shift", "threshold", "forest"};
 
 template <class Method, class Options>
 std::unique_ptr<Segmenter> create(const OptionTable& table) {
@@ -37,12 +32,18 @@ std::unique_ptr<Segmenter> create_forest(const OptionTable& table) {
   return std::make_unique<ForestSegmenter>(load_segmentation_forest(model), options);
 }
 
-using Create = std::unique_ptr<Segmenter> (*)(const OptionTable& table);
-constexpr std::array<Create, kNames.size()> kCreate{
-    create<MeanShiftSegmenter, MeanShiftSegmenterOptions>,
-    create<ThresholdSegmenter, ThresholdSegmenterOptions>,
-    create_forest,
+struct SegmentationMethod {
+  std::string_view name;
+  /// Reads all keys of the table but `method`.
+  std::unique_ptr<Segmenter> (*create)(const OptionTable& table);
 };
+
+constexpr std::array kMethods{
+    SegmentationMethod{"mean_shift", create<MeanShiftSegmenter, MeanShiftSegmenterOptions>},
+    SegmentationMethod{"threshold", create<ThresholdSegmenter, ThresholdSegmenterOptions>},
+    SegmentationMethod{"forest", create_forest},
+};
+constexpr auto kNames = names_of(kMethods);
 
 }  // namespace
 
@@ -51,16 +52,13 @@ std::span<const std::string_view> segmenter_names() {
 }
 
 std::unique_ptr<Segmenter> create_segmenter(std::string_view name, const OptionTable& table) {
-  const auto place = std::ranges::find(kNames, name);
-  if (place == kNames.end()) {
-    fail("there is no segmentation method \"{}\"; known: {}", name,
-         joined(std::vector<std::string>(kNames.begin(), kNames.end())));
-  }
-  return kCreate[static_cast<std::size_t>(place - kNames.begin())](table);
+  const SegmentationMethod* const method = row_named(kMethods, name);
+  if (method == nullptr) fail("{}", unknown_name("segmentation method", name, kNames));
+  return method->create(table);
 }
 
 std::unique_ptr<Segmenter> create_segmenter(const OptionTable& table) {
-  return create_segmenter(table.choice_or("method", kNames[0], kNames), table);
+  return create_segmenter(table.choice_or("method", kMethods.front().name, kNames), table);
 }
 
 }  // namespace knuckle

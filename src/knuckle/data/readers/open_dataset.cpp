@@ -2,11 +2,9 @@
 #include "knuckle/data/readers/open_dataset.h"
 
 #include <array>
-#include <string>
-#include <vector>
+#include <string_view>
 
-#include "knuckle/core/suggestion.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/data/readers/folder_source.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/readers/hands17_source.h"
@@ -48,14 +46,9 @@ std::span<const DatasetKind> dataset_kinds() {
 }
 
 std::unique_ptr<FrameSource> open_dataset(const SourceSpec& spec) {
-  std::vector<std::string> known;
-  for (const DatasetKind& kind : kKinds) {
-    if (kind.name == spec.kind)
-      return select_frames(kind.open(spec), spec.selection, fmt::format("source '{}'", spec.text));
-    known.emplace_back(kind.name);
-  }
-  fail("source '{}': unknown kind '{}'{}; known are {}", spec.text, spec.kind, suggestion(spec.kind, known),
-       joined(known));
+  const DatasetKind* const kind = row_named(kKinds, spec.kind);
+  if (kind == nullptr) fail("source '{}': {}", spec.text, unknown_name("kind", spec.kind, names_of(kKinds)));
+  return select_frames(kind->open(spec), spec.selection, fmt::format("source '{}'", spec.text));
 }
 
 std::unique_ptr<FrameSource> open_dataset(std::string_view text) {

@@ -2,11 +2,10 @@
 #include "knuckle/data/writers/frame_writer.h"
 
 #include <array>
-#include <vector>
+#include <string_view>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/suggestion.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/data/writers/folder_writer.h"
 #include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/data/writers/icg_writer.h"
@@ -14,23 +13,37 @@
 namespace knuckle {
 namespace {
 
-constexpr std::array<std::string_view, 3> kFormats{"folder", "h5", "icg"};
+template <class Writer>
+std::unique_ptr<FrameWriter> create(const std::filesystem::path& path, const FrameWriterOptions& options) {
+  return std::make_unique<Writer>(path, options);
+}
+
+struct WriterFormat {
+  std::string_view name;
+  std::unique_ptr<FrameWriter> (*create)(const std::filesystem::path& path,
+                                         const FrameWriterOptions& options);
+};
+
+constexpr std::array kFormats{
+    WriterFormat{"folder", create<FolderWriter>},
+    WriterFormat{"h5", create<H5Writer>},
+    WriterFormat{"icg", create<IcgWriter>},
+};
+constexpr auto kFormatNames = names_of(kFormats);
 
 }  // namespace
 
 std::span<const std::string_view> frame_writer_formats() {
-  return kFormats;
+  return kFormatNames;
 }
 
 std::unique_ptr<FrameWriter> create_frame_writer(std::string_view format, const std::filesystem::path& path,
                                                  const FrameWriterOptions& options) {
   if (!(options.depth_unit_mm > 0 && options.depth_unit_mm <= 1000))
     fail("{}: depth_unit_mm = {} is not in (0, 1000]", path.string(), options.depth_unit_mm);
-  if (format == "folder") return std::make_unique<FolderWriter>(path, options);
-  if (format == "h5") return std::make_unique<H5Writer>(path, options);
-  if (format == "icg") return std::make_unique<IcgWriter>(path, options);
-  fail("unknown format '{}'{}; known are {}", format, suggestion(format, kFormats),
-       joined({kFormats.begin(), kFormats.end()}));
+  const WriterFormat* const writer = row_named(kFormats, format);
+  if (writer == nullptr) fail("{}", unknown_name("format", format, kFormatNames));
+  return writer->create(path, options);
 }
 
 }  // namespace knuckle
