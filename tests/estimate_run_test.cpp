@@ -138,7 +138,7 @@ TEST_F(EstimateRunTest, KilledAtManyMomentsItEndsWithTheBytesOfAnUndisturbedRun)
 TEST_F(EstimateRunTest, AskedToEndItKeepsWhatIsDoneAndSaysHowToGoOn) {
   ASSERT_THAT(run_program(command("whole")), Succeeded());
   for (const auto& [signal, bytes] :
-       {std::pair(SIGINT, 0), std::pair(SIGTERM, 30000), std::pair(SIGINT, 60000)}) {
+       {std::pair(SIGINT, 0), std::pair(SIGTERM, 15000), std::pair(SIGINT, 35000)}) {
     const ProgramRun run = run_until(static_cast<std::uintmax_t>(bytes), "run", signal, {"--resume"});
     ASSERT_THAT(run, FailedWith("interrupted after "));
     EXPECT_THAT(run.error, HasSubstr(fmt::format(" of {} frames; continue with --resume", kFrames)));
