@@ -44,8 +44,8 @@ TEST(HandSampler, AKindWithoutAShareIsNotDrawn) {
                                       .jitter_deg = 0};
   for (int i = 0; i < 200; ++i) {
     const HandAngles hand = sampled_hand(gestures_only, random);
-    EXPECT_TRUE(std::ranges::any_of(
-        gestures(), [&](const Gesture& gesture) { return clamped(gesture.angles) == hand; }));
+    EXPECT_TRUE(std::ranges::any_of(gestures(),
+                                    [&](const Gesture& gesture) { return clamped(gesture.angles) == hand; }));
   }
 }
 
