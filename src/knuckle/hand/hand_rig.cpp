@@ -147,7 +147,6 @@ void HandRig::add_thumb(const ShapedBody& person) {
   constexpr double kPalmarShare = 0.1;
   const Vector3d bend = digit.directions[0].cross(digit.directions[2]);
   const Vector3d axis = across(bend + kPalmarShare * axes_.col(2), digit.directions[0]);
-<<<<<<< HEAD
   const Vector3d ip_axis = digit.straighten[1].inverse() * axis;
   bones_.push_back({HandBone::thumb_metacarpal, digit.bones[0], std::move(swing), Unaligned(straighten)});
   bones_.push_back({HandBone::thumb_proximal,
@@ -158,64 +157,14 @@ void HandRig::add_thumb(const ShapedBody& person) {
                     digit.bones[2],
                     {{HandAngle::thumb_ip, 1.0, ip_axis}},
                     Unaligned(digit.straighten[2])});
-=======
-  digit.straighten[0] = Quaterniond::Identity();
-  digit.flexion_axes[0] = axis;
-  digit.flexion_axes[1] = axis;
-  digit.flexion_axes[2] = digit.straighten[1].inverse() * axis;
-  return digit;
-}
-
-/// Turns `forward` in the plane of the palm by `radial` towards the thumb's side, then out of it by `palmar`.
-Quaterniond HandRig::thumb_swing(double radial, double palmar) const {
-  const double turn = kThumbTwistPerPalmar * palmar;
-  return rotation_about(-radial, axes_.col(2)) * rotation_about(palmar, axes_.col(0)) *
-         rotation_about(-turn, axes_.col(1));
-}
-
-void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const HandAngles& angles) const {
-  const Digit& digit = fingers_[finger];
-  const FingerAngleNames names = angles_of_finger(finger);
-  // Away from the middle finger is towards the thumb for the index (and the middle finger itself) only.
-  const double spread = (finger <= 1 ? 1.0 : -1.0) * angles[names.spread];
-  result.push_back(bone_rotation(digit.bones[0], rotation_about(angles[names.mcp], digit.flexion_axes[0]) *
-                                                     rotation_about(spread, digit.spread_axis) *
-                                                     digit.straighten[0]));
-  result.push_back(bone_rotation(
-      digit.bones[1], rotation_about(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
-  result.push_back(bone_rotation(
-      digit.bones[2], rotation_about(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
-}
-
-void HandRig::add_thumb(std::vector<BoneRotation>& result, const HandAngles& angles) const {
-  const Quaterniond rest = thumb_swing(thumb_rest_radial_, thumb_rest_palmar_);
-  const Quaterniond swing = thumb_swing(angles[HandAngle::thumb_radial], angles[HandAngle::thumb_palmar]) *
-                            rotation_about(-angles[HandAngle::thumb_twist], axes_.col(1)) * rest.inverse();
-  result.push_back(bone_rotation(thumb_.bones[0], swing));
-  result.push_back(bone_rotation(
-      thumb_.bones[1],
-      rotation_about(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
-  result.push_back(bone_rotation(
-      thumb_.bones[2],
-      rotation_about(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
->>>>>>> 978d260 (Sines, logarithms and their like of our own in generator and forests: glibc's round differently where the processor has FMA)
 }
 
 std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
   std::vector<BoneRotation> result;
-<<<<<<< HEAD
   result.reserve(bones_.size());
   for (const RigBone& bone : bones_) {
     const Quaterniond rotation = turned(bone.turns, angles) * Quaterniond(bone.straighten);
     result.push_back({bone.bone, rotation.normalized().cast<float>()});
-=======
-  for (int finger = 0; finger < 4; ++finger) add_finger(result, finger, angles);
-  add_thumb(result, angles);
-  const double arch = angles[HandAngle::palm_arch];
-  for (const auto& [finger, share] : {std::pair{2, kRingArch}, std::pair{3, 1.0}}) {
-    if (fingers_[finger].metacarpal < 0) continue;
-    result.push_back(bone_rotation(fingers_[finger].metacarpal, rotation_about(share * arch, axes_.col(0))));
->>>>>>> 978d260 (Sines, logarithms and their like of our own in generator and forests: glibc's round differently where the processor has FMA)
   }
   return result;
 }
