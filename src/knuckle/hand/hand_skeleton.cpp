@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "knuckle/core/error.h"
+#include "knuckle/hand/rotation_between.h"
 
 namespace knuckle {
 namespace {
@@ -30,7 +31,7 @@ void turn_bone(RigidTransform& pose, std::array<Vector3d, kMostTurns>& axes, con
   for (std::size_t k = 0; k < bone.turns.size(); ++k) {
     const BoneTurn& turn = bone.turns[k];
     axes[k] = rotation * turn.axis;
-    rotation *= Eigen::AngleAxisd(turn.share * angles[turn.angle], turn.axis).toRotationMatrix();
+    rotation *= rotation_about(turn.share * angles[turn.angle], turn.axis).toRotationMatrix();
   }
   pose.linear() = rotation;
   pose.translation() = joint - rotation * bone.joint_mm;
@@ -110,7 +111,7 @@ RigidTransform moved(const RigidTransform& camera_from_hand, const Vector3d& tur
   RigidTransform result = camera_from_hand;
   const double angle = turn.norm();
   if (angle > 0.0) {
-    result.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * camera_from_hand.linear();
+    result.linear() = rotation_about(angle, turn / angle).toRotationMatrix() * camera_from_hand.linear();
   }
   result.translation() += shift;
   return result;
