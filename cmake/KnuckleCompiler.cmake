@@ -3,7 +3,7 @@
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
-set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)  # every module may end in a shared library, of ours or of others
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
@@ -13,10 +13,13 @@ option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .
 # All is built in half the time so, but after a change more of it has to be. Names must differ within a module, even those
 # in unnamed namespaces.
 option(KNUCKLE_UNITY "Compile the sources of a module in groups of five" ON)
+# Tests, benchmarks and static libraries are compiled for one kind of processor, and so is all else without
+# KNUCKLE_VARIANTS: see cmake/KnuckleLibraries.cmake.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(default_arch x86-64-v3)  # AVX2 and FMA: every x86 processor since 2013
 endif()
 set(KNUCKLE_ARCH "${default_arch}" CACHE STRING "Value of -march; empty for the compiler's own default")
+option(KNUCKLE_VARIANTS "Build program and shared libraries for any x86-64, with variants for newer ones, as packages need" OFF)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
@@ -26,17 +29,13 @@ endif()
 
 # Results must be the same bits on every machine: no fused multiply-add behind our back, no fast-math.
 add_compile_options(-ffp-contract=off)
+# Who preloads a library to replace one of our functions gets what was inlined all the same.
+add_compile_options(-fno-semantic-interposition)
 if(KNUCKLE_ARCH)
-  set(arch_flag -march=${KNUCKLE_ARCH})
-  add_compile_options(${arch_flag})
+  add_compile_options(-march=${KNUCKLE_ARCH})
 endif()
-# Without AVX, GCC warns of each function that takes a vector of 32 bytes. None of ours crosses a library's border.
-include(CheckCXXSymbolExists)
-set(CMAKE_REQUIRED_FLAGS ${arch_flag})
-unset(KNUCKLE_HAS_AVX CACHE)  # KNUCKLE_ARCH may have changed
-check_cxx_symbol_exists(__AVX__ "" KNUCKLE_HAS_AVX)
-unset(CMAKE_REQUIRED_FLAGS)
-if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT KNUCKLE_HAS_AVX)
+# GCC warns of each function that takes a vector wider than the processor's. None of ours crosses a library's border.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options(-Wno-psabi)
 endif()
 if(KNUCKLE_SANITIZE)

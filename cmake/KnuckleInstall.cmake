@@ -7,9 +7,7 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME knuckle)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/knuckle)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/knuckle)
 
-list(TRANSFORM KNUCKLE_MODULES PREPEND knuckle_ OUTPUT_VARIABLE libraries)
-list(APPEND libraries knuckle_readers knuckle_writers)
-install(TARGETS ${libraries} EXPORT knuckleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+install(TARGETS knuckle_runtime knuckle_library EXPORT knuckleTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)

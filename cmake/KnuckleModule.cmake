@@ -6,9 +6,29 @@ function(knuckle_group_sources target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${KNUCKLE_UNITY} UNITY_BUILD_BATCH_SIZE 5)
 endfunction()
 
+# Processors that code is compiled for besides KNUCKLE_ARCH (cmake/KnuckleLibraries.cmake).
+set(KNUCKLE_OTHER_LEVELS "")
+if(KNUCKLE_VARIANTS)
+  set(KNUCKLE_OTHER_LEVELS x86-64 x86-64-v3 x86-64-v4)
+  list(REMOVE_ITEM KNUCKLE_OTHER_LEVELS "${KNUCKLE_ARCH}")
+endif()
+
+# knuckle_compile_for(LEVEL TARGET SOURCES...)
+#
+# Makes the object library TARGET.LEVEL, compiled like the module TARGET but for the processors LEVEL.
+function(knuckle_compile_for level target)
+  add_library(${target}.${level} OBJECT EXCLUDE_FROM_ALL ${ARGN})
+  knuckle_group_sources(${target}.${level})
+  target_include_directories(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
+  target_compile_definitions(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
+  # The last -march counts.
+  target_compile_options(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level})
+  target_link_libraries(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
+endfunction()
+
 # knuckle_add_module(NAME SOURCES ... [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...] [TESTED_WITH target ...])
 #
-# Makes the library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
+# Makes the static library knuckle_NAME from the sources of src/knuckle/NAME, and knuckle_NAME_test from its tests.
 # DEPENDS names other modules; PUBLIC the libraries its headers show; PRIVATE those only its sources use; TESTED_WITH what
 # its tests use besides.
 function(knuckle_add_module name)
@@ -20,6 +40,10 @@ function(knuckle_add_module name)
   knuckle_group_sources(knuckle_${name})
   target_link_libraries(knuckle_${name} PUBLIC ${module_DEPENDS} ${module_PUBLIC}
                         PRIVATE ${module_PRIVATE} $<BUILD_INTERFACE:knuckle_warnings>)
+  set_target_properties(knuckle_${name} PROPERTIES KNUCKLE_LIBRARIES "${module_PUBLIC};${module_PRIVATE}")
+  foreach(level IN LISTS KNUCKLE_OTHER_LEVELS)
+    knuckle_compile_for(${level} knuckle_${name} ${module_SOURCES})
+  endforeach()
   if(module_TESTS)
     add_executable(knuckle_${name}_test ${module_TESTS})
     knuckle_group_sources(knuckle_${name}_test)
