@@ -2,16 +2,19 @@
 #include "knuckle/net/convolution.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <utility>
 
 #include "knuckle/core/error.h"
 
 namespace knuckle {
 namespace {
 
-// Six pixels by sixteen outputs are worked on together. Their sums fill twelve of AVX's sixteen registers, so
-// that two multiply-adds a cycle need not wait for one another, and each number read serves several of them.
-constexpr int kPixelsPerBlock = 6;
+// A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
+// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds a cycle need not wait for one another, and
+// each number read serves several of them.
+constexpr int kPixelsPerBlock = kLanes == 16 ? 12 : 6;
 constexpr int kVectorsPerBlock = 2;
 constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;
 
@@ -25,17 +28,17 @@ struct Window {
 };
 
 template <int kPixels, int kVectors>
-using Sums = Float8[kPixels][kVectors];
+using Sums = FloatLanes[kPixels][kVectors];
 
 template <int kPixels, int kVectors>
 inline void add_products(const Window& window, const float* weights, Sums<kPixels, kVectors>& sums) {
   const float* row = window.input;
   for (int y = 0; y < window.rows; ++y, row += window.row_stride) {
     for (int i = 0; i < window.numbers_per_row; ++i, weights += kVectors * kLanes) {
-      Float8 weight[kVectors];
-      for (int v = 0; v < kVectors; ++v) weight[v] = load8(weights + v * kLanes);
+      FloatLanes weight[kVectors];
+      for (int v = 0; v < kVectors; ++v) weight[v] = load_lanes(weights + v * kLanes);
       for (int p = 0; p < kPixels; ++p) {
-        const Float8 value = all8(row[p * window.pixel_stride + i]);
+        const FloatLanes value = all_lanes(row[p * window.pixel_stride + i]);
         for (int v = 0; v < kVectors; ++v) sums[p][v] = multiply_add(value, weight[v], sums[p][v]);
       }
     }
@@ -55,27 +58,29 @@ template <int kPixels, int kVectors>
 void convolve_pixels(const Window& window, const float* weights, const float* bias, const Target& target) {
   Sums<kPixels, kVectors> sums;
   for (int p = 0; p < kPixels; ++p) {
-    for (int v = 0; v < kVectors; ++v) sums[p][v] = load8(bias + v * kLanes);
+    for (int v = 0; v < kVectors; ++v) sums[p][v] = load_lanes(bias + v * kLanes);
   }
   add_products<kPixels, kVectors>(window, weights, sums);
   for (int p = 0; p < kPixels; ++p) {
     for (int v = 0; v < kVectors; ++v) {
-      Float8 value = sums[p][v];
-      if (target.added != nullptr) value += load8(target.added + p * target.added_stride + v * kLanes);
-      if (target.activation == Activation::relu) value = larger8(Float8{}, value);
-      store8(target.output + p * target.output_stride + v * kLanes, value);
+      FloatLanes value = sums[p][v];
+      if (target.added != nullptr) value += load_lanes(target.added + p * target.added_stride + v * kLanes);
+      if (target.activation == Activation::relu) value = larger_lanes(FloatLanes{}, value);
+      store_lanes(target.output + p * target.output_stride + v * kLanes, value);
     }
   }
 }
 
-template <int kVectors>
 using ConvolvePixels = void (*)(const Window&, const float*, const float*, const Target&);
+
+template <int kVectors, int... kFewer>
+constexpr std::array<ConvolvePixels, sizeof...(kFewer)> by_pixels(std::integer_sequence<int, kFewer...>) {
+  return {convolve_pixels<kFewer + 1, kVectors>...};
+}
 
 /// By the number of pixels, from one on.
 template <int kVectors>
-constexpr ConvolvePixels<kVectors> kConvolvePixels[kPixelsPerBlock] = {
-    convolve_pixels<1, kVectors>, convolve_pixels<2, kVectors>, convolve_pixels<3, kVectors>,
-    convolve_pixels<4, kVectors>, convolve_pixels<5, kVectors>, convolve_pixels<6, kVectors>};
+constexpr auto kConvolvePixels = by_pixels<kVectors>(std::make_integer_sequence<int, kPixelsPerBlock>{});
 
 }  // namespace
 

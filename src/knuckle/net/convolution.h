@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "knuckle/net/aligned_vector.h"
 #include "knuckle/net/feature_map.h"
 
 namespace knuckle {
@@ -46,8 +47,8 @@ class Convolution {
 
   Shape shape_;
   int input_stride_;
-  std::vector<float> weights_;  // outputs in blocks of 16 (the last one maybe 8); each: kernel rows, columns,
-                                // inputs, outputs of the block
+  AlignedVector weights_;  // outputs in blocks of two vectors (the last one maybe one); each: kernel
+                           // rows, columns, inputs, outputs of the block
   std::vector<float> bias_;
 };
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
-#include "knuckle/net/float8.h"
+#include "knuckle/net/aligned_vector.h"
+#include "knuckle/net/float_lanes.h"
 
 namespace knuckle {
 
@@ -54,7 +54,7 @@ class FeatureMap {
 
   Shape shape_;
   int pixel_stride_;
-  std::vector<float> values_;
+  AlignedVector values_;
 };
 
 }  // namespace knuckle

@@ -6,65 +6,72 @@
 
 #include "knuckle/net/half.h"
 
-#if defined(__AVX2__) && defined(__FMA__) && defined(__F16C__)
+#if defined(__AVX512F__) || defined(__AVX2__)
 #include <immintrin.h>
-#define KNUCKLE_HAS_AVX2 1
-#else
-#define KNUCKLE_HAS_AVX2 0
 #endif
 
 namespace knuckle {
 
-/// Numbers worked on at once.
+/// Numbers worked on at once: a register of AVX-512, or of AVX; elsewhere what the compiler makes of it.
+#if defined(__AVX512F__)
+inline constexpr int kLanes = 16;
+#else
 inline constexpr int kLanes = 8;
+#endif
 
-/// Eight numbers that are worked on together: a register of AVX; elsewhere what the compiler makes of it.
-typedef float Float8 __attribute__((vector_size(kLanes * sizeof(float))));
+/// kLanes numbers that are worked on together.
+typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
 
-/// The least multiple of eight that is not below `count`.
+/// The least multiple of kLanes that is not below `count`.
 constexpr int whole_lanes(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
-/// Reads eight numbers, from any address.
-inline Float8 load8(const float* from) {
-  Float8 values;
+/// Reads kLanes numbers, from any address.
+inline FloatLanes load_lanes(const float* from) {
+  FloatLanes values;
   std::memcpy(&values, from, sizeof(values));
   return values;
 }
 
-/// Writes eight numbers, to any address.
-inline void store8(float* to, Float8 values) {
+/// Writes kLanes numbers, to any address.
+inline void store_lanes(float* to, FloatLanes values) {
   std::memcpy(to, &values, sizeof(values));
 }
 
-/// The same number eight times.
-inline Float8 all8(float value) {
-  return Float8{value, value, value, value, value, value, value, value};
+/// The same number in all lanes.
+inline FloatLanes all_lanes(float value) {
+  return value - FloatLanes{};  // minus 0 leaves each number as it is, -0 too
 }
 
 /// The larger number; `b` where one is NaN.
-inline Float8 larger8(Float8 a, Float8 b) {
+inline FloatLanes larger_lanes(FloatLanes a, FloatLanes b) {
   return a > b ? a : b;
 }
 
 /// a * b + c, rounded once where the processor can.
-inline Float8 multiply_add(Float8 a, Float8 b, Float8 c) {
-#if KNUCKLE_HAS_AVX2
+inline FloatLanes multiply_add(FloatLanes a, FloatLanes b, FloatLanes c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_ps(a, b, c);
+#elif defined(__AVX2__) && defined(__FMA__)
   return _mm256_fmadd_ps(a, b, c);
 #else
   return a * b + c;
 #endif
 }
 
-/// Eight numbers of half precision in single.
-inline Float8 load_halves(const Half* from) {
-#if KNUCKLE_HAS_AVX2
+/// kLanes numbers of half precision in single.
+inline FloatLanes load_halves(const Half* from) {
+#if defined(__AVX512F__)
+  __m256i bits;
+  std::memcpy(&bits, from, sizeof(bits));
+  return _mm512_cvtph_ps(bits);
+#elif defined(__AVX2__) && defined(__F16C__)
   __m128i bits;
   std::memcpy(&bits, from, sizeof(bits));
   return _mm256_cvtph_ps(bits);
 #else
-  Float8 values{};
+  FloatLanes values{};
   for (int i = 0; i < kLanes; ++i) values[i] = float_of_half(from[i]);
   return values;
 #endif

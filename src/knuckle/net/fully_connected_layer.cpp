@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "knuckle/net/float8.h"
+#include "knuckle/net/float_lanes.h"
 
 namespace knuckle {
 namespace {
@@ -49,22 +49,22 @@ std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) cons
   std::vector<float> output(shifts_.size());
   std::size_t next = 0;  // column; all are read one behind another
   for (std::size_t first = 0; first < output.size(); first += kOutputsPerBlock) {
-    Float8 sums[kVectors] = {};
+    FloatLanes sums[kVectors] = {};
     for (int i = 0; i < inputs_; ++i, ++next) {
       const Half* const ahead = columns_[std::min(next + kColumnsAhead, columns_.size() - 1)].weights.data();
       prefetch(ahead);
       prefetch(ahead + kOutputsPerBlock / 2);
       const Half* const column = columns_[next].weights.data();
-      const Float8 value = all8(input[static_cast<std::size_t>(i)]);
+      const FloatLanes value = all_lanes(input[static_cast<std::size_t>(i)]);
       for (int v = 0; v < kVectors; ++v) {
         sums[v] = multiply_add(load_halves(column + v * kLanes), value, sums[v]);
       }
     }
     for (int v = 0; v < kVectors; ++v) {
       const std::size_t place = first + static_cast<std::size_t>(v) * kLanes;
-      sums[v] = multiply_add(load8(scales_.data() + place), sums[v], load8(shifts_.data() + place));
-      if (activation_ == Activation::relu) sums[v] = larger8(Float8{}, sums[v]);
-      store8(output.data() + place, sums[v]);
+      sums[v] = multiply_add(load_lanes(scales_.data() + place), sums[v], load_lanes(shifts_.data() + place));
+      if (activation_ == Activation::relu) sums[v] = larger_lanes(FloatLanes{}, sums[v]);
+      store_lanes(output.data() + place, sums[v]);
     }
   }
   output.resize(static_cast<std::size_t>(outputs_));

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "knuckle/core/random.h"
-#include "knuckle/net/float8.h"
+#include "knuckle/net/float_lanes.h"
 
 namespace knuckle {
 namespace {
@@ -59,11 +59,11 @@ TEST(Half, WhatIsNotFiniteStaysSo) {
   EXPECT_TRUE(is_finite(0x7BFF));
 }
 
-TEST(Float8, ReadsHalvesAsTheyAre) {
+TEST(FloatLanes, ReadsHalvesAsTheyAre) {
   for (int first = 0; first < 65536; first += kLanes) {
     std::array<Half, kLanes> halves{};
     for (int i = 0; i < kLanes; ++i) halves[i] = static_cast<Half>(first + i);
-    const Float8 values = load_halves(halves.data());
+    const FloatLanes values = load_halves(halves.data());
     for (int i = 0; i < kLanes; ++i) {
       if (is_finite(halves[i])) {
         ASSERT_EQ(values[i], float_of_half(halves[i]));
