@@ -29,6 +29,9 @@ endif()
 
 # Results must be the same bits on every machine: no fused multiply-add behind our back, no fast-math.
 add_compile_options(-ffp-contract=off)
+# So does Eigen, whose vector code would use fused multiply-adds and sums of as many lanes as the processor has; only
+# `segment` has it (see there). What Eigen aligns is the same under all flags, so that modules and variants agree.
+add_compile_definitions(EIGEN_DONT_VECTORIZE EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_MAX_ALIGN_BYTES=32)
 # Who preloads a library to replace one of our functions gets what was inlined all the same.
 add_compile_options(-fno-semantic-interposition)
 if(KNUCKLE_ARCH)

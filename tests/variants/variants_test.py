@@ -5,6 +5,7 @@ generator and the forests give the same bits, a network the same joints to a tho
 usage: variants_test.py BUILD_FOLDER WAY
 
 WAY is
+  fused                no code of the generator and the forests multiplies and adds with one rounding;
   loader               glibc takes the best variant that this processor can run;
   x86-64-v3|x86-64-v4  that variant, where this processor can run it;
   old_libm             the baseline, with the functions of glibc's libm for processors without AVX2 and FMA;
@@ -98,12 +99,20 @@ def results(variant, frames, out, manifests):
     variant.knuckle("segment", "--source", source, "--pipeline", PROJECT / "pipelines/forest_segmentation.toml", "--out", boxes)
     # Without the last column, which is a time.
     made["segmentation forest"] = [line.rsplit(",", 1)[0] for line in boxes.read_text().splitlines()]
-    for name in ("pose_forest", "default"):
-        poses = out / f"{name}.txt"
-        variant.knuckle("estimate", "--source", source, "--pipeline", PROJECT / f"pipelines/{name}.toml", "--out", poses)
+    for name, pipeline in (("pose forest", pose_forest_pipeline(out)), ("network", PROJECT / "pipelines/default.toml")):
+        poses = out / "poses.txt"
+        variant.knuckle("estimate", "--source", source, "--pipeline", pipeline, "--out", poses)
         made[name] = numpy.loadtxt(poses)
     made["trained forest"] = trained_forest(variant, source, out)
     return made
+
+
+def pose_forest_pipeline(out):
+    """The shipped one but for mean shift, which rounds as the processor does."""
+    pipeline = out / "pose_forest.toml"
+    pipeline.write_text('[segmentation]\nmethod = "threshold"\n[patch]\nsize_px = 96\n[estimator]\nmethod = "forest"\n'
+                        f'model = "{PROJECT}/models/pose_forest.h5"\n')
+    return pipeline
 
 
 def trained_forest(variant, source, out):
@@ -118,7 +127,7 @@ def assert_alike(expected, found):
     """Every result to the bit, but the network's, whose loops round as the processor does."""
     assert expected.keys() == found.keys()
     for name, value in expected.items():
-        if name == "default":
+        if name == "network":
             error = numpy.nanmax(numpy.abs(value - found[name]).reshape(len(value), -1, 3)[:, :, :2])
             assert (numpy.isnan(value) == numpy.isnan(found[name])).all(), "the network finds other hands"
             print(f"network: joints differ by at most {error:.4f} px")
@@ -140,6 +149,14 @@ def check_loader(build):
         assert re.search(rf"{library}\.so\S* => {re.escape(str(folder))}/", loaded), f"{library} not of {folder}:\n{loaded}"
 
 
+def check_fused(build):
+    """Results would depend on whether the processor can. The compiler is told not to; Eigen would all the same."""
+    for module in ("core", "camera", "hand", "forest", "patch", "synth"):
+        code = run(["objdump", "-d", "--no-show-raw-insn", build / f"lib/libknuckle_{module}.a"])
+        fused = re.findall(r"\bvfn?m(?:add|sub)\w*", code)
+        assert not fused, f"knuckle_{module} has {len(fused)} fused multiply-adds"
+
+
 def variant_of(way, build, baseline):
     """What `way` names, where it can run here."""
     if way == "old_libm":
@@ -153,8 +170,9 @@ def variant_of(way, build, baseline):
 
 
 def main(build, way):
-    if way == "loader":
-        check_loader(build)
+    checks = {"fused": check_fused, "loader": check_loader}
+    if way in checks:
+        checks[way](build)
         return
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
