@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "knuckle/core/error.h"
 
@@ -25,24 +26,39 @@ void check_pose(const Body& body, const BodyPose& pose) {
   if (!pose.camera_from_body.matrix().allFinite()) fail("body pose: camera_from_body is not finite");
 }
 
+/// Four numbers that are worked on together, lane by lane: with the same bits on every processor.
+using Float4 [[gnu::vector_size(16)]] = float;
+
+Float4 lanes(const float* from) {
+  Float4 values;
+  std::memcpy(&values, from, sizeof(values));
+  return values;
+}
+
+float dot(Float4 a, Float4 b) {
+  const Float4 products = a * b;
+  return (products[0] + products[2]) + (products[1] + products[3]);
+}
+
 /// A vertex by its blended transform (linear blend skinning: Lewis et al., "Pose space deformation", 2000,
 /// eq. 1).
 Eigen::Vector3f skinned_vertex(const Eigen::Vector3f& rest, const std::array<std::int32_t, 4>& bones,
                                const std::array<float, 4>& weights,
                                const std::vector<Eigen::Matrix4f>& transforms) {
-  Eigen::Matrix4f blended = weights[0] * transforms[bones[0]];
+  std::array<Float4, 4> columns{};
+  for (int c = 0; c < 4; ++c) columns[c] = weights[0] * lanes(transforms[bones[0]].col(c).data());
   for (std::size_t k = 1; k < Body::kBonesPerVertex; ++k) {
-    if (weights[k] != 0.0f) blended += weights[k] * transforms[bones[k]];
+    if (weights[k] == 0.0f) continue;
+    for (int c = 0; c < 4; ++c) columns[c] += weights[k] * lanes(transforms[bones[k]].col(c).data());
   }
-  const Eigen::Vector4f moved =
-      blended.col(0) * rest.x() + blended.col(1) * rest.y() + blended.col(2) * rest.z() + blended.col(3);
-  return moved.head<3>();
+  const Float4 moved = columns[0] * rest.x() + columns[1] * rest.y() + columns[2] * rest.z() + columns[3];
+  return {moved[0], moved[1], moved[2]};
 }
 
 /// A rigid motion: real part the turn, dual part half the shift times the turn; x, y, z, w each.
 struct DualQuaternion {
-  Eigen::Vector4f real;
-  Eigen::Vector4f dual;
+  Float4 real;
+  Float4 dual;
 };
 
 std::vector<DualQuaternion> dual_quaternions(const std::vector<Eigen::Matrix4f>& transforms) {
@@ -53,7 +69,7 @@ std::vector<DualQuaternion> dual_quaternions(const std::vector<Eigen::Matrix4f>&
     const Eigen::Vector3f shift = transform.topRightCorner<3, 1>();
     const Eigen::Quaternionf turn = Eigen::Quaternionf(rotation).normalized();
     const Eigen::Quaternionf product = Eigen::Quaternionf(0.0f, shift.x(), shift.y(), shift.z()) * turn;
-    motions.push_back({turn.coeffs(), 0.5f * product.coeffs()});
+    motions.push_back({lanes(turn.coeffs().data()), 0.5f * lanes(product.coeffs().data())});
   }
   return motions;
 }
@@ -64,22 +80,22 @@ Eigen::Vector3f rigidly_skinned_vertex(const Eigen::Vector3f& rest, const std::a
                                        const std::array<float, 4>& weights,
                                        const std::vector<DualQuaternion>& motions) {
   const DualQuaternion& strongest = motions[bones[0]];
-  Eigen::Vector4f real = weights[0] * strongest.real;
-  Eigen::Vector4f dual = weights[0] * strongest.dual;
+  Float4 real = weights[0] * strongest.real;
+  Float4 dual = weights[0] * strongest.dual;
   for (std::size_t k = 1; k < Body::kBonesPerVertex; ++k) {
     if (weights[k] == 0.0f) continue;
     const DualQuaternion& motion = motions[bones[k]];
-    const float weight = motion.real.dot(strongest.real) < 0.0f ? -weights[k] : weights[k];
+    const float weight = dot(motion.real, strongest.real) < 0.0f ? -weights[k] : weights[k];
     real += weight * motion.real;
     dual += weight * motion.dual;
   }
-  const float scale = 1.0f / real.norm();
+  const float scale = 1.0f / std::sqrt(dot(real, real));
   real *= scale;
   dual *= scale;
-  const Eigen::Vector3f axis = real.head<3>();
-  const Eigen::Vector3f moment = dual.head<3>();
-  const Eigen::Vector3f turned = rest + 2.0f * axis.cross(axis.cross(rest) + real.w() * rest);
-  return turned + 2.0f * (real.w() * moment - dual.w() * axis + axis.cross(moment));
+  const Eigen::Vector3f axis(real[0], real[1], real[2]);
+  const Eigen::Vector3f moment(dual[0], dual[1], dual[2]);
+  const Eigen::Vector3f turned = rest + 2.0f * axis.cross(axis.cross(rest) + real[3] * rest);
+  return turned + 2.0f * (real[3] * moment - dual[3] * axis + axis.cross(moment));
 }
 
 /// Number of vertices at the beginning that may belong to the hand.
