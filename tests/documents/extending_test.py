@@ -87,16 +87,23 @@ def compiled(source, tree, build, folder):
     return str(target)
 
 
-def linked(objects, build, folder):
-    """The program, linked as the project's build does, with these objects in place of the library's."""
-    last = run(["ninja", "-C", str(build), "-t", "commands", "bin/knuckle"]).strip().split("\n")[-1]
+def link_command(target, build):
+    """The words of the command that links a program."""
+    last = run(["ninja", "-C", str(build), "-t", "commands", target]).strip().split("\n")[-1]
     words = shlex.split(last)
     words = words[words.index("&&") + 1:]
-    words = words[:words.index("&&")]
+    return words[:words.index("&&")]
+
+
+def linked(objects, build, folder):
+    """The program, with these objects in place of the library's: linked with the static libraries, as the benchmarks are."""
+    words = link_command("bin/knuckle", build)
     program = str(folder / "knuckle")
     words[words.index("-o") + 1] = program
-    first_library = next(i for i, word in enumerate(words) if word.endswith(".a"))
-    run([*words[:first_library], *objects, *words[first_library:]], cwd=build)
+    own = words[:next(i for i, word in enumerate(words) if "libknuckle" in word and ".so" in word)]
+    libraries = link_command("bin/knuckle_bench", build)
+    first_library = next(i for i, word in enumerate(libraries) if word.endswith(".a"))
+    run([*own, *objects, *libraries[first_library:]], cwd=build)
     return program
 
 
