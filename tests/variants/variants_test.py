@@ -5,7 +5,7 @@ generator and the forests give the same bits, a network the same joints to a tho
 usage: variants_test.py BUILD_FOLDER WAY
 
 WAY is
-  fused                no code of the generator and the forests multiplies and adds with one rounding;
+  rounding             no code of the generator and the forests rounds as the processor can;
   loader               glibc takes the best variant that this processor can run;
   x86-64-v3|x86-64-v4  that variant, where this processor can run it;
   old_libm             the baseline, with the functions of glibc's libm for processors without AVX2 and FMA;
@@ -149,12 +149,16 @@ def check_loader(build):
         assert re.search(rf"{library}\.so\S* => {re.escape(str(folder))}/", loaded), f"{library} not of {folder}:\n{loaded}"
 
 
-def check_fused(build):
-    """Results would depend on whether the processor can. The compiler is told not to; Eigen would all the same."""
-    for module in ("core", "camera", "hand", "forest", "patch", "synth"):
-        code = run(["objdump", "-d", "--no-show-raw-insn", build / f"lib/libknuckle_{module}.a"])
-        fused = re.findall(r"\bvfn?m(?:add|sub)\w*", code)
+def check_rounding(build):
+    """Neither multiplies and adds in one step, nor calls functions of libm that do where the processor can."""
+    elementary = "sin cos sincos tan exp exp2 expm1 log log2 log10 log1p pow atan atan2 acos asin hypot cbrt fma".split()
+    for module in ("core", "camera", "hand", "forest", "patch", "refine", "synth"):
+        library = build / f"lib/libknuckle_{module}.a"
+        fused = re.findall(r"\bvfn?m(?:add|sub)\w*", run(["objdump", "-d", "--no-show-raw-insn", library]))
         assert not fused, f"knuckle_{module} has {len(fused)} fused multiply-adds"
+        called = set(re.findall(r"U (\w+)", run(["nm", "-u", library])))
+        called &= {name + kind for name in elementary for kind in ("", "f")}
+        assert not called, f"knuckle_{module} calls {called}: core/portable_math.h has functions that round alike everywhere"
 
 
 def variant_of(way, build, baseline):
@@ -170,7 +174,7 @@ def variant_of(way, build, baseline):
 
 
 def main(build, way):
-    checks = {"fused": check_fused, "loader": check_loader}
+    checks = {"rounding": check_rounding, "loader": check_loader}
     if way in checks:
         checks[way](build)
         return

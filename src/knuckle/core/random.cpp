@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "knuckle/core/portable_math.h"
+
 namespace knuckle {
 namespace {
 
@@ -80,11 +82,11 @@ double Random::normal() {
     has_spare_normal_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+  const double radius = std::sqrt(-2.0 * portable_log(1.0 - uniform()));
   const double angle = 2.0 * std::numbers::pi * uniform();
-  spare_normal_ = radius * std::sin(angle);
+  spare_normal_ = radius * portable_sin(angle);
   has_spare_normal_ = true;
-  return radius * std::cos(angle);
+  return radius * portable_cos(angle);
 }
 
 std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t number) {

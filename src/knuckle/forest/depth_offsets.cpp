@@ -3,6 +3,8 @@
 
 #include <numbers>
 
+#include "knuckle/core/portable_math.h"
+
 namespace knuckle {
 
 void OffsetOptions::visit(OptionVisitor& visitor) {
@@ -13,10 +15,10 @@ void OffsetOptions::visit(OptionVisitor& visitor) {
 
 DepthOffset drawn_offset(const OffsetOptions& options, Random& random) {
   const double ratio = options.farthest_offset_mm / options.nearest_offset_mm;
-  const double length = options.nearest_offset_mm * std::pow(ratio, random.uniform());
+  const double length = options.nearest_offset_mm * portable_pow(ratio, random.uniform());
   const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
-  return {static_cast<std::int16_t>(std::lround(length * std::cos(angle))),
-          static_cast<std::int16_t>(std::lround(length * std::sin(angle)))};
+  return {static_cast<std::int16_t>(std::lround(length * portable_cos(angle))),
+          static_cast<std::int16_t>(std::lround(length * portable_sin(angle)))};
 }
 
 BorderedDepth::BorderedDepth(const Image<float>& depth_mm)

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "knuckle/core/angle.h"
+#include "knuckle/core/portable_math.h"
 #include "knuckle/hand/rotation_between.h"
 
 namespace knuckle {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -68,20 +68,20 @@ ArmRig::ArmRig(const ShapedBody& person)
   if (upper_arm_ < 0 || elbow_ < 0) return;
   const Vector3d along = (joint(elbow_) - joint(upper_arm_)).normalized();
   upper_arm_frame_ = frame_of(along, across(forearm_direction_, along));
-  rest_elbow_flexion_ = std::acos(std::clamp(along.dot(forearm_direction_), -1.0, 1.0));
+  rest_elbow_flexion_ = portable_acos(std::clamp(along.dot(forearm_direction_), -1.0, 1.0));
   // Thumb up at a bent elbow, the palm faces against the elbow's axis; the palm turns up by a positive turn
   // about the forearm.
   const Vector3d neutral = across(-upper_arm_frame_.col(2), forearm_direction_);
   const Vector3d palmar = across(hand_axes_.col(2), forearm_direction_);
-  rest_supination_ = std::atan2(forearm_direction_.dot(neutral.cross(palmar)), neutral.dot(palmar));
+  rest_supination_ = portable_atan2(forearm_direction_.dot(neutral.cross(palmar)), neutral.dot(palmar));
 }
 
 Quaterniond ArmRig::shoulder_rotation(const ArmAngles& angles) const {
-  const double aside = -std::cos(angles.shoulder_azimuth);  // the right arm's side is -x
-  const double forward = std::sin(angles.shoulder_azimuth);
-  const double level = std::sin(angles.shoulder_elevation);
-  const Vector3d along(aside * level, -std::cos(angles.shoulder_elevation), forward * level);
-  const Vector3d bend = AngleAxisd(angles.humeral_rotation, -along) * across(Vector3d(0, 1, 1), along);
+  const double aside = -portable_cos(angles.shoulder_azimuth);  // the right arm's side is -x
+  const double forward = portable_sin(angles.shoulder_azimuth);
+  const double level = portable_sin(angles.shoulder_elevation);
+  const Vector3d along(aside * level, -portable_cos(angles.shoulder_elevation), forward * level);
+  const Vector3d bend = rotation_about(angles.humeral_rotation, -along) * across(Vector3d(0, 1, 1), along);
   return Quaterniond(Eigen::Matrix3d(frame_of(along, bend) * upper_arm_frame_.transpose()));
 }
 
@@ -93,17 +93,17 @@ std::vector<BoneRotation> ArmRig::rotations(const ArmAngles& angles) const {
   const double twist = angles.supination - rest_supination_;
   if (upper_arm_ >= 0 && elbow_ >= 0) {
     add(upper_arm_, shoulder_rotation(angles));
-    add(elbow_, AngleAxisd(angles.elbow_flexion - rest_elbow_flexion_, upper_arm_frame_.col(2)) *
-                    Quaterniond(AngleAxisd(kProximalTwist * twist, forearm_direction_)));
-    add(forearm_, Quaterniond(AngleAxisd((1.0 - kProximalTwist) * twist, forearm_direction_)));
+    add(elbow_, rotation_about(angles.elbow_flexion - rest_elbow_flexion_, upper_arm_frame_.col(2)) *
+                    rotation_about(kProximalTwist * twist, forearm_direction_));
+    add(forearm_, rotation_about((1.0 - kProximalTwist) * twist, forearm_direction_));
   }
   const Quaterniond straight =
       forearm_ >= 0 ? rotation_between(hand_axes_.col(1), forearm_direction_) : Quaterniond::Identity();
   // The palm's axes, once the wrist is straight.
   const Vector3d radial = straight * hand_axes_.col(0);
   const Vector3d palmar = straight * hand_axes_.col(2);
-  add(wrist_,
-      AngleAxisd(angles.wrist_flexion, radial) * AngleAxisd(angles.wrist_deviation, palmar) * straight);
+  add(wrist_, rotation_about(angles.wrist_flexion, radial) * rotation_about(angles.wrist_deviation, palmar) *
+                  straight);
   return result;
 }
 

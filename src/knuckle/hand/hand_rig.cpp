@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/core/portable_math.h"
 #include "knuckle/hand/rotation_between.h"
 
 namespace knuckle {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -67,8 +67,8 @@ HandRig::HandRig(const ShapedBody& person)
   for (int finger = 0; finger < 4; ++finger) fingers_[finger] = finger_of(person, finger);
   thumb_ = thumb_of(person);
   const Vector3d metacarpal = axes_.transpose() * thumb_.directions[0];
-  thumb_rest_radial_ = std::atan2(metacarpal.x(), metacarpal.y());
-  thumb_rest_palmar_ = std::asin(std::clamp(metacarpal.z(), -1.0, 1.0));
+  thumb_rest_radial_ = portable_atan2(metacarpal.x(), metacarpal.y());
+  thumb_rest_palmar_ = portable_asin(std::clamp(metacarpal.z(), -1.0, 1.0));
 }
 
 HandRig::Digit HandRig::digit_of(const ShapedBody& person, int number) const {
@@ -117,8 +117,8 @@ HandRig::Digit HandRig::thumb_of(const ShapedBody& person) const {
 /// Turns `forward` in the plane of the palm by `radial` towards the thumb's side, then out of it by `palmar`.
 Quaterniond HandRig::thumb_swing(double radial, double palmar) const {
   const double turn = kThumbTwistPerPalmar * palmar;
-  return AngleAxisd(-radial, axes_.col(2)) * AngleAxisd(palmar, axes_.col(0)) *
-         AngleAxisd(-turn, axes_.col(1));
+  return rotation_about(-radial, axes_.col(2)) * rotation_about(palmar, axes_.col(0)) *
+         rotation_about(-turn, axes_.col(1));
 }
 
 void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const HandAngles& angles) const {
@@ -126,27 +126,26 @@ void HandRig::add_finger(std::vector<BoneRotation>& result, int finger, const Ha
   const FingerAngleNames names = angles_of_finger(finger);
   // Away from the middle finger is towards the thumb for the index (and the middle finger itself) only.
   const double spread = (finger <= 1 ? 1.0 : -1.0) * angles[names.spread];
-  result.push_back(bone_rotation(digit.bones[0], AngleAxisd(angles[names.mcp], digit.flexion_axes[0]) *
-                                                     AngleAxisd(spread, digit.spread_axis) *
+  result.push_back(bone_rotation(digit.bones[0], rotation_about(angles[names.mcp], digit.flexion_axes[0]) *
+                                                     rotation_about(spread, digit.spread_axis) *
                                                      digit.straighten[0]));
-  result.push_back(bone_rotation(digit.bones[1],
-                                 AngleAxisd(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
-  result.push_back(bone_rotation(digit.bones[2],
-                                 AngleAxisd(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
+  result.push_back(bone_rotation(
+      digit.bones[1], rotation_about(angles[names.pip], digit.flexion_axes[1]) * digit.straighten[1]));
+  result.push_back(bone_rotation(
+      digit.bones[2], rotation_about(angles[names.dip], digit.flexion_axes[2]) * digit.straighten[2]));
 }
 
 void HandRig::add_thumb(std::vector<BoneRotation>& result, const HandAngles& angles) const {
   const Quaterniond rest = thumb_swing(thumb_rest_radial_, thumb_rest_palmar_);
   const Quaterniond swing = thumb_swing(angles[HandAngle::thumb_radial], angles[HandAngle::thumb_palmar]) *
-                            Quaterniond(AngleAxisd(-angles[HandAngle::thumb_twist], axes_.col(1))) *
-                            rest.inverse();
+                            rotation_about(-angles[HandAngle::thumb_twist], axes_.col(1)) * rest.inverse();
   result.push_back(bone_rotation(thumb_.bones[0], swing));
-  result.push_back(
-      bone_rotation(thumb_.bones[1],
-                    AngleAxisd(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
-  result.push_back(
-      bone_rotation(thumb_.bones[2],
-                    AngleAxisd(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
+  result.push_back(bone_rotation(
+      thumb_.bones[1],
+      rotation_about(angles[HandAngle::thumb_mcp], thumb_.flexion_axes[1]) * thumb_.straighten[1]));
+  result.push_back(bone_rotation(
+      thumb_.bones[2],
+      rotation_about(angles[HandAngle::thumb_ip], thumb_.flexion_axes[2]) * thumb_.straighten[2]));
 }
 
 std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
@@ -156,8 +155,7 @@ std::vector<BoneRotation> HandRig::rotations(const HandAngles& angles) const {
   const double arch = angles[HandAngle::palm_arch];
   for (const auto& [finger, share] : {std::pair{2, kRingArch}, std::pair{3, 1.0}}) {
     if (fingers_[finger].metacarpal < 0) continue;
-    result.push_back(
-        bone_rotation(fingers_[finger].metacarpal, Quaterniond(AngleAxisd(share * arch, axes_.col(0)))));
+    result.push_back(bone_rotation(fingers_[finger].metacarpal, rotation_about(share * arch, axes_.col(0))));
   }
   return result;
 }

@@ -8,12 +8,13 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/angle.h"
+#include "knuckle/core/portable_math.h"
 #include "knuckle/hand/hand_rig.h"
+#include "knuckle/hand/rotation_between.h"
 
 namespace knuckle {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
 constexpr int kAttempts = 200;
@@ -111,7 +112,7 @@ Eigen::Matrix3d sampled_view(const PlacementOptions& options, Random& random) {
   Eigen::Matrix3d facing = Vector3d(1, -1, -1).asDiagonal();
   if (kind >= options.facing_share) facing = Vector3d(-1, -1, 1).asDiagonal();
   const auto turn = [&](double deviation_deg, const Vector3d& axis) {
-    return AngleAxisd(deviation_deg * kDegree * random.normal(), axis).toRotationMatrix();
+    return rotation_about(deviation_deg * kDegree * random.normal(), axis).toRotationMatrix();
   };
   const Eigen::Matrix3d yaw = turn(options.yaw_deg, Vector3d::UnitY());
   const Eigen::Matrix3d pitch = turn(options.pitch_deg, Vector3d::UnitX());
@@ -194,8 +195,8 @@ double presentation_violation(const std::array<Point3, kSupersetSize>& landmarks
   const Vector3d forward = axes.col(1);
   const Vector3d palmar = axes.col(2);
   const Vector3d to_camera = -landmarks[static_cast<std::size_t>(Landmark::palm)].normalized();
-  const double palm = std::acos(std::clamp(palmar.dot(to_camera), -1.0, 1.0)) / kDegree;
-  const double upright = std::abs(std::atan2(forward.x(), -forward.y())) / kDegree;
+  const double palm = portable_acos(std::clamp(palmar.dot(to_camera), -1.0, 1.0)) / kDegree;
+  const double upright = std::abs(portable_atan2(forward.x(), -forward.y())) / kDegree;
   return std::max(palm - options.palm_deg, 0.0) + std::max(upright - options.upright_deg, 0.0);
 }
 

@@ -6,13 +6,14 @@
 #include <limits>
 #include <numbers>
 
+#include "knuckle/core/portable_math.h"
 #include "knuckle/synth/sensor/pixel_random.h"
 
 namespace knuckle {
 namespace {
 
 void drop_grazing(Image<float>& depth_mm, const Image<float>& cosines, double grazing_deg) {
-  const auto least = static_cast<float>(std::cos(grazing_deg * std::numbers::pi / 180.0));
+  const auto least = static_cast<float>(portable_cos(grazing_deg * std::numbers::pi / 180.0));
   for (std::size_t i = 0; i < depth_mm.size(); ++i) {
     float& depth = depth_mm.data()[i];
     depth = cosines.data()[i] < least ? 0.0f : depth;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "knuckle/core/portable_math.h"
 #include "knuckle/core/random.h"
 
 namespace knuckle {
@@ -20,7 +21,7 @@ double normal_quantile(double probability, double start) {
   double x = start;
   for (int iteration = 0; iteration < 50; ++iteration) {
     const double cumulative = 0.5 * std::erfc(-x / std::numbers::sqrt2);
-    const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
+    const double density = portable_exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
     const double step = (probability - cumulative) / density;
     x += step;
     if (std::abs(step) < 1e-10) break;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "knuckle/core/portable_math.h"
 #include "knuckle/synth/sensor/pixel_random.h"
 
 namespace knuckle {
@@ -17,7 +18,7 @@ constexpr double kPerSquareMetre = 1e-6;  ///< [1 / mm^2]
 
 /// theta^2 / (pi / 2 - theta)^2.
 double growth_with_angle(double cosine) {
-  const double theta = std::min(std::acos(std::clamp(cosine, 0.0, 1.0)), kSteepest);
+  const double theta = std::min(portable_acos(std::clamp(cosine, 0.0, 1.0)), kSteepest);
   const double ratio = theta / (std::numbers::pi / 2.0 - theta);
   return ratio * ratio;
 }
