@@ -19,10 +19,12 @@ struct FrameNote {
       confidence;  ///< one per hand: of each joint, or none where the method gives none
 };
 
+/// What a run notes of a frame; `fault` says why it could not be read.
 FrameNote note_of(const FrameEstimate& estimate, std::string_view fault = {});
 
-/// The note as one line of JSON, and back. Throws an Error where the line is none.
+/// The note as one line of JSON.
 std::string note_as_line(const FrameNote& note);
+/// The note of a line that `note_as_line` made. Throws an Error where it is not one.
 FrameNote note_from_line(std::string_view line);
 
 /// Calls its argument with the note of each frame, in order; may be called again.
@@ -39,6 +41,7 @@ struct RunCounts {
   std::size_t most_hands = 0;    ///< in one frame
 };
 
+/// Counts the notes of all frames.
 RunCounts counts_of(const VisitNotes& notes);
 
 }  // namespace knuckle
