@@ -22,7 +22,9 @@ function(knuckle_compile_for level target)
   target_include_directories(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
   target_compile_definitions(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
   # The last -march counts.
-  target_compile_options(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level})
+  # GCC 12 warns of its own headers for AVX-512.
+  target_compile_options(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level}
+                         -Wno-maybe-uninitialized)
   target_link_libraries(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
 endfunction()
 
