@@ -13,6 +13,24 @@ if(KNUCKLE_VARIANTS)
   list(REMOVE_ITEM KNUCKLE_OTHER_LEVELS "${KNUCKLE_ARCH}")
 endif()
 
+# Modules whose results are the same bits on every processor: the generator, the forests and what these stand on.
+set(KNUCKLE_EXACT_MODULES knuckle_core knuckle_camera knuckle_hand knuckle_forest knuckle_patch knuckle_synth)
+
+# knuckle_round_alike(TARGET MODULE LEVEL)
+#
+# GCC 12 makes fused multiply-adds of neighbouring sums and differences although -ffp-contract=off forbids them. Without the
+# instructions it cannot; AVX-512 brings them again, and there it is the vectoriser of straight code that has to go.
+function(knuckle_round_alike target module level)
+  if(NOT module IN_LIST KNUCKLE_EXACT_MODULES OR level STREQUAL "x86-64" OR NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    return()
+  endif()
+  if(level STREQUAL "x86-64-v3")
+    target_compile_options(${target} PRIVATE -mno-fma)
+  else()
+    target_compile_options(${target} PRIVATE -fno-tree-slp-vectorize)
+  endif()
+endfunction()
+
 # knuckle_compile_for(LEVEL TARGET SOURCES...)
 #
 # Makes the object library TARGET.LEVEL, compiled like the module TARGET but for the processors LEVEL.
@@ -25,6 +43,7 @@ function(knuckle_compile_for level target)
   # GCC 12 warns of its own headers for AVX-512.
   target_compile_options(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level}
                          -Wno-maybe-uninitialized)
+  knuckle_round_alike(${target}.${level} ${target} ${level})
   target_link_libraries(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
 endfunction()
 
@@ -45,6 +64,7 @@ function(knuckle_add_module name)
   knuckle_group_sources(knuckle_${name})
   target_link_libraries(knuckle_${name} PUBLIC ${module_DEPENDS} ${module_PUBLIC}
                         PRIVATE ${module_PRIVATE} $<BUILD_INTERFACE:knuckle_warnings>)
+  knuckle_round_alike(knuckle_${name} knuckle_${name} "${KNUCKLE_ARCH}")
   set_target_properties(knuckle_${name} PROPERTIES KNUCKLE_LIBRARIES "${module_PUBLIC};${module_PRIVATE}")
   foreach(level IN LISTS KNUCKLE_OTHER_LEVELS)
     knuckle_compile_for(${level} knuckle_${name} ${module_SOURCES})

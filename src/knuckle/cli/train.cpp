@@ -6,6 +6,7 @@
 #include "knuckle/cli/network_arguments.h"
 #include "knuckle/cli/sibling_program.h"
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/error.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/prepare/pose_forest_training.h"
@@ -80,6 +81,13 @@ void add_kind(CLI::App& train, const std::string& name, const std::string& descr
 
 /// LibTorch is loaded by the program that trains with it alone.
 void train_network(const NetworkArguments& /*checked*/) {
+#ifdef KNUCKLE_TRAINING_NEEDS_AVX2
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
+    fail(
+        "knuckle-train-network: needs a processor with AVX2 and FMA (most since 2013), which this one has "
+        "not");
+  }
+#endif
   become_sibling("knuckle-train-network");
 }
 
