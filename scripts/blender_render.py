@@ -32,7 +32,7 @@ def parse_arguments():
     parser.add_argument("dump")
     parser.add_argument("--out", required=True)
     parser.add_argument("--frames", type=int, help="only the first of them")
-    parser.add_argument("--threads", type=int, default=0, help="0: one a core")
+    parser.add_argument("--threads", type=int, default=0, help="0: one per core")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Hands as each sensor sees them: a picture (depth, mask, infrared) and the statistics of 60 frames a preset;
+# Hands as each sensor sees them: a picture (depth, mask, infrared) and the statistics of 60 frames per preset;
 # and the same of recordings, where their folder is given.
 #   scripts/compare_sensors.sh OUT [FOLDER_WITH_RECORDINGS]
 # OUT/sensor_NAME.png, OUT/real_NAME.png and OUT/statistics.md are written; the table is also printed.
