@@ -22,11 +22,13 @@ std::vector<std::int64_t> read_sequences_file(const fs::path& path, std::int64_t
   std::vector<std::int64_t> starts;
   for (const ContentLine& line : read_content_lines(path)) {
     const std::int64_t start = parse_integer(line.text, line.where);
-    if (starts.empty() && start != 0)
+    if (starts.empty() && start != 0) {
       fail("{}: the first sequence starts at frame {}, expected 0", line.where, start);
-    if (!starts.empty() && start <= starts.back())
+    }
+    if (!starts.empty() && start <= starts.back()) {
       fail("{}: frame {} is not after {}, where the sequence before starts", line.where, start,
            starts.back());
+    }
     if (start >= count) fail("{}: there is no frame {}: the set has {}", line.where, start, count);
     starts.push_back(start);
   }
