@@ -68,9 +68,10 @@ H5Source::H5Source(const std::filesystem::path& path)
 void H5Source::require_unchanged() const {
   std::error_code is_gone;  // then the open file is still whole
   const std::uintmax_t bytes = std::filesystem::file_size(file_.path(), is_gone);
-  if (!is_gone && bytes != bytes_)
+  if (!is_gone && bytes != bytes_) {
     fail("{}: was changed while it was read: it has {} bytes, {} when it was opened", file_.path().string(),
          bytes, bytes_);
+  }
 }
 
 Timeline H5Source::read_timeline() const {
