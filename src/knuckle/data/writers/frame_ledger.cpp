@@ -47,9 +47,10 @@ void FrameLedger::enter(std::int64_t index, const Frame& frame) {
   const FrameLayout layout = checked_layout(frame, where);
   const Lock lock(mutex_);
   if (!layout_) layout_ = layout;
-  if (layout.has_time != layout_->has_time)
+  if (layout.has_time != layout_->has_time) {
     fail("{} has {} time, the frames before have {}", where, layout.has_time ? "a" : "no",
          layout_->has_time ? "one" : "none");
+  }
   if (!fit_together(layout, *layout_, cameras_))
     fail("{} has another camera or other images than the frames before", where);
   if (!entered_.insert(index).second) fail("{} comes twice", where);
