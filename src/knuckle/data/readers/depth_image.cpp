@@ -29,10 +29,11 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
   const float* from = depth_mm.data();
   std::uint16_t* to = counts.data();
-  for (std::size_t i = 0; i < counts.size();
-       ++i) {  // no way out of the loop: the compiler takes many at once
+  // No way out of the loop, and no call in it: the compiler takes many pixels at once.
+  for (std::size_t i = 0; i < counts.size(); ++i) {
     const double depth = from[i] > 0.0f ? from[i] : 0.0f;
-    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(depth / unit_mm + 0.5));  // rounds
+    const double half_above = depth / unit_mm + 0.5;  // is cut off to the nearest count
+    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(half_above));
   }
   return counts;
 }
