@@ -116,7 +116,7 @@ std::vector<HandJoints> sampled_hands(const Population& population, const HandPo
 
 struct Coverage {
   std::string name;
-  std::vector<double> distances_mm;  ///< one a real hand
+  std::vector<double> distances_mm;  ///< one per real hand
   std::array<double, kHandJoints> joints_mm{};
 };
 

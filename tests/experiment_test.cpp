@@ -141,7 +141,7 @@ TEST_F(ExperimentTest, NamesWhatIsWrong) {
   EXPECT_THAT(run_program({"experiment", "nonsense", "--out", out_}), FailedWith("scia15"));
   EXPECT_THAT(run({"--scale", "0"}), FailedWith("scale"));
   EXPECT_THAT(run({"--scale", "nan"}), FailedWith("scale"));
-  EXPECT_THAT(run({"--models", folder_ / "nowhere"}), FailedWith("nowhere: no folder of trained models"));
+  EXPECT_THAT(run({"--models", folder_ / "nowhere"}), FailedWith("nowhere: not a folder of trained models"));
   write_text_file(folder_ / "forest.toml",
                   "[estimator]\nmethod = \"forest\"\nmodel = \"../models/none.h5\"\n");
   EXPECT_THAT(run(), FailedWith("none.h5"));

@@ -28,7 +28,7 @@ class RawDepthSource final : public knuckle::FrameSource {
     frame.name = fmt::format("{:06}", index);
     frame.camera = kCamera;
     frame.depth_mm = knuckle::Image<float>(kCamera.width, kCamera.height);
-    std::ifstream file(path_, std::ios::binary);  // one a call: many threads read at once
+    std::ifstream file(path_, std::ios::binary);  // one per call: many threads read at once
     file.seekg(index * static_cast<std::int64_t>(kFrameBytes));
     file.read(reinterpret_cast<char*>(frame.depth_mm.data()), kFrameBytes);
     if (!file) knuckle::fail("{}: frame {} cannot be read", path_.string(), index);

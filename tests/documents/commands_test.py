@@ -3,7 +3,7 @@
 
 usage: commands_test.py BUILD_FOLDER [--recordings | --help-examples]
 
-All ```sh blocks of a document run in one shell, in their order, as typed; what fails, or is no command, fails the test.
+All ```sh blocks of a document run in one shell, in their order, as typed; what fails, or is not a command, fails the test.
 Without an option those run that need no recordings; with --recordings those that name ../shared, or use a variable that
 does. What would take long runs on less:
 

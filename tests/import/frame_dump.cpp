@@ -99,7 +99,7 @@ void write_cost(Hdf5File& file, const std::string& name, const Cost& cost) {
   file.set_attribute(name + "_cpu_seconds_per_frame", cost.cpu_seconds_per_frame);
 }
 
-/// Rows of float arrays, one a frame.
+/// Rows of float arrays, one per frame.
 template <class Get>
 void write_frames(Hdf5File& file, const std::string& name, const std::vector<std::uint64_t>& shape,
                   const std::vector<PosedFrame>& frames, Get append) {

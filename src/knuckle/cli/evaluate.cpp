@@ -84,7 +84,7 @@ void print_scores(const std::vector<SegmentationScore>& scores) {
   fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9}\n", "boxes", "frames", "missing", "mean r", "median r",
              "r > 0.5");
   for (const SegmentationScore& score : scores) {
-    constexpr std::size_t kHalf = 50;  // the curve has a value a hundredth
+    constexpr std::size_t kHalf = 50;  // the curve has a value per hundredth
     fmt::print("{:<24} {:>7} {:>8} {:>9.4f} {:>11.4f} {:>9.4f}\n", score.name, score.frames, score.missing,
                score.mean_iou, score.median_iou, score.fraction_above.at(kHalf));
   }

@@ -81,7 +81,7 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
                    const std::string& example) {
   CLI::App& verb = *program.add_subcommand(name, description);
   verb.footer("Example:\n  " + example);
-  verb.add_option_function<int>("--threads", set_thread_count, "Threads to use, 0 to 4096; 0: one a core")
+  verb.add_option_function<int>("--threads", set_thread_count, "Threads to use, 0 to 4096; 0: one per core")
       ->check(CLI::Range(0, 4096).description(""))
       ->type_name("N")
       ->default_str("0");

@@ -14,8 +14,8 @@ struct Box {
   int height = 0;
 
   bool empty() const { return width <= 0 || height <= 0; }
-  int right() const { return x + width; }    ///< first column behind the box
-  int bottom() const { return y + height; }  ///< first row behind the box
+  int right() const { return x + width; }    ///< first column after the box
+  int bottom() const { return y + height; }  ///< first row after the box
   std::int64_t area() const { return empty() ? 0 : std::int64_t{width} * height; }
   bool contains(int column, int row) const {
     return column >= x && column < right() && row >= y && row < bottom();

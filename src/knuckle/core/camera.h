@@ -22,7 +22,7 @@ struct Camera {
   CameraModel model = CameraModel::projective;
   int width = 0;    ///< [px], at least 1
   int height = 0;   ///< [px], at least 1
-  double fx = 0.0;  ///< focal length; px for a projective camera, px a mm for an orthographic one; never 0
+  double fx = 0.0;  ///< focal length; px for a projective camera, px per mm for an orthographic one; never 0
   double fy = 0.0;  ///< the same down the image; negative where the set's y axis points up
   double cx = 0.0;  ///< principal point [px], pixel-centre coordinates
   double cy = 0.0;

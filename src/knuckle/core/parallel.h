@@ -6,10 +6,10 @@
 
 namespace knuckle {
 
-/// Number of threads that parallel work uses: `set_thread_count`, or one a core.
+/// Number of threads that parallel work uses: `set_thread_count`, or one per core.
 int thread_count();
 
-/// Sets that number for the whole program; 0 = one a core. Call it before parallel work, from the main
+/// Sets that number for the whole program; 0 = one per core. Call it before parallel work, from the main
 /// thread.
 void set_thread_count(int count);
 

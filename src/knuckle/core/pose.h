@@ -30,8 +30,8 @@ struct ImagePoint {
 /// Joints of one hand in the image.
 struct HandPose {
   Convention convention;
-  std::vector<ImagePoint> joints;  ///< one a landmark of the convention; missing ones are NaN
-  std::vector<float> confidence;   ///< one a joint in [0, 1], or empty where the method gives none
+  std::vector<ImagePoint> joints;  ///< one per landmark of the convention; missing ones are NaN
+  std::vector<float> confidence;   ///< one per joint in [0, 1], or empty where the method gives none
 
   /// A pose of which nothing is known: all joints NaN.
   static HandPose missing(const Convention& convention);

@@ -12,7 +12,7 @@
 namespace knuckle {
 namespace {
 
-constexpr std::size_t kLongestName = 64;  // what is longer is no slip of a finger
+constexpr std::size_t kLongestName = 64;  // what is longer is not a slip of a finger
 
 char folded(char letter) {
   if (letter == '-') return '_';

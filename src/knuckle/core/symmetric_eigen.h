@@ -8,7 +8,7 @@ namespace knuckle {
 /// A symmetric matrix taken apart: matrix = vectors * diag(values) * transpose of vectors.
 struct SymmetricEigen {
   Eigen::VectorXd values;   ///< ascending
-  Eigen::MatrixXd vectors;  ///< orthonormal, a column a value
+  Eigen::MatrixXd vectors;  ///< orthonormal, a column per value
 };
 
 /// Eigenvalues and eigenvectors of a symmetric matrix (n x n), of which only the lower half is read. Throws

@@ -8,9 +8,9 @@
 
 namespace knuckle {
 
-/// Reads the CSV that `segment` writes: frame,found,x,y,width,height,milliseconds, a line a frame, in order.
-/// A frame in which nothing was found has an empty box. Throws an Error that names file and line where one is
-/// damaged.
+/// Reads the CSV that `segment` writes: frame,found,x,y,width,height,milliseconds, a line per frame, in
+/// order. A frame in which nothing was found has an empty box. Throws an Error that names file and line where
+/// one is damaged.
 std::vector<Box> read_boxes_file(const std::filesystem::path& path);
 
 }  // namespace knuckle

@@ -13,20 +13,20 @@
 
 namespace knuckle {
 
-/// The poses of one hand, one a frame of a sequence.
+/// The poses of one hand, one per frame of a sequence.
 struct PoseSequence {
   std::string origin;           ///< where they come from (a file, a source), for messages
   Convention convention;        ///< of every pose
   std::vector<HandPose> poses;  ///< pixel-centre coordinates; a frame without a hand: all joints missing
 };
 
-/// Reads a poses file: one line a frame, J x `u v d` (px, px, mm), `nan` where a value is not known; a first
-/// line
+/// Reads a poses file: one line per frame, J x `u v d` (px, px, mm), `nan` where a value is not known; a
+/// first line
 /// `# convention: NAME` names the landmarks (other lines with # may stand around it). A file without that
 /// line takes `convention`. Extra blanks, trailing separators and empty lines at the end do no harm; commas
 /// count as blanks. `origin` is the pixel origin that the file's numbers count from; they are converted to
 /// the library's. Throws an Error that names file and line where a line has too few or too many values, or
-/// one that is no number.
+/// one that is not a number.
 PoseSequence read_poses_file(const std::filesystem::path& path,
                              const std::optional<Convention>& convention = std::nullopt,
                              PixelOrigin origin = PixelOrigin::centre);

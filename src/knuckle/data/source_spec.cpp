@@ -106,7 +106,7 @@ Settings parse_settings(std::string_view query, std::string_view whole) {
   for (const std::string_view part : split(query, '&')) {
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos || equals == 0)
-      fail("source '{}': '{}' is no key=value", whole, part);
+      fail("source '{}': '{}' is not key=value", whole, part);
     std::string key(part.substr(0, equals));
     for (const auto& setting : settings)
       if (setting.first == key) fail("source '{}': the key '{}' appears twice", whole, key);

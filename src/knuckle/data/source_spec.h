@@ -34,7 +34,7 @@ void read_settings(const SourceSpec& spec, const std::function<void(OptionVisito
 }  // namespace detail
 
 /// The reader's options as the settings say. Throws an Error that lists the known keys where one is unknown,
-/// and one that names the key where its value is no number or out of range.
+/// and one that names the key where its value is not a number or out of range.
 template <VisitableOptions Options>
 Options options_from(const SourceSpec& spec) {
   Options options;

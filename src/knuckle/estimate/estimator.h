@@ -12,8 +12,8 @@ namespace knuckle {
 
 /// The joints that a method sees in a patch.
 struct PatchPose {
-  std::vector<PatchPoint> joints;  ///< one a landmark of the model's convention
-  std::vector<float> confidence;   ///< one a joint in [0, 1], or empty
+  std::vector<PatchPoint> joints;  ///< one per landmark of the model's convention
+  std::vector<float> confidence;   ///< one per joint in [0, 1], or empty
 };
 
 /// Infers the pose of a hand from its patch. Models are for right hands.

@@ -31,7 +31,7 @@ void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& 
 /// version or kind, or where its parts do not fit together or are not finite.
 PoseForestModel load_pose_forest(const std::filesystem::path& path);
 
-/// The model with at most `most_leaves` leaves (or one a tree): smaller, and a little less accurate. A unit
+/// The model with at most `most_leaves` leaves (or one per tree): smaller, and a little less accurate. A unit
 /// of d counts kDepthWeight against one of u or v, as it does in training by default.
 PoseForestModel pruned(const PoseForestModel& model, std::size_t most_leaves);
 

@@ -142,7 +142,7 @@ TEST_F(PoseForestFile, CutShortForeignOrMissingIsRefused) {
     std::filesystem::resize_file(path_, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
     EXPECT_THAT(fault(), HasSubstr("model.h5")) << part;
   }
-  write_text_file(path_, "this is no forest");
+  write_text_file(path_, "this is not a forest");
   EXPECT_THAT(fault(), HasSubstr("model.h5"));
   std::filesystem::remove(path_);
   EXPECT_THAT(fault(), HasSubstr("model.h5"));

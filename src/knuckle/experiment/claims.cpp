@@ -127,7 +127,7 @@ Observation a_magnitude_faster(const Numbers& numbers) {
   const double mean_shift = numbers.segmentation_ms("mean shift");
   const double forest = numbers.segmentation_ms("forest");
   return {forest >= kMagnitude * mean_shift,
-          fmt::format("{:.2f} ms a frame against {:.2f} ms, {:.1f} times as fast", mean_shift, forest,
+          fmt::format("{:.2f} ms per frame against {:.2f} ms, {:.1f} times as fast", mean_shift, forest,
                       forest / mean_shift)};
 }
 

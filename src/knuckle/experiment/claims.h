@@ -24,7 +24,7 @@ struct Claim {
   std::string statement;
   std::string test;  ///< what has to hold on a sequence
   Verdict verdict = Verdict::unknown;
-  std::vector<std::string> evidence;  ///< the numbers, a line a sequence; or what is missing
+  std::vector<std::string> evidence;  ///< the numbers, a line per sequence; or what is missing
 };
 
 /// The seven claims of Riegler et al. 2015, section 5. Methods are known by their names in the plan

@@ -200,7 +200,7 @@ std::filesystem::path run_experiment(const ExperimentPlan& plan, const Experimen
     fail("scale is {}, expected a part of the whole in (0, 1]", options.scale);
   }
   if (!options.models.empty() && !std::filesystem::is_directory(options.models)) {
-    fail("{}: no folder of trained models", options.models.string());
+    fail("{}: not a folder of trained models", options.models.string());
   }
   return Experiment(plan, options).run();
 }

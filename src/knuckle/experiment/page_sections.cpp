@@ -41,7 +41,7 @@ std::string methods_table(const ExperimentScores& scores, const std::string& tit
   return fmt::format("<h3>{}</h3>\n", title) + number_table("method", method_heads_of(methods), columns);
 }
 
-/// A title as narrow HTML: a line a word.
+/// A title as narrow HTML: a line per word.
 std::string in_lines(const std::string& title) {
   std::vector<std::string> words;
   for (const std::string_view word : split(title, ' ')) words.push_back(html_escaped(word));

@@ -38,8 +38,8 @@ std::string unique_file_name(const OptionTable& table, std::string_view key, std
   const bool is_plain = std::ranges::all_of(
       name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; });
   if (!is_plain || name.empty() || name.starts_with('.')) {
-    table.fail_at(key,
-                  fmt::format("\"{}\" is no name for a file: expected letters, digits, '_', '-', '.'", name));
+    table.fail_at(
+        key, fmt::format("\"{}\" is not a name for a file: expected letters, digits, '_', '-', '.'", name));
   }
   return name;
 }

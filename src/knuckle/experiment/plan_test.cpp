@@ -52,8 +52,8 @@ TEST_F(PlanTest, NamesTheFault) {
   faults(std::string(kSequence) + "[[model]]\nfile = \"m.h5\"\nkind = \"tree\"\nconfig = \"c\"\n",
          "segmentation-forest");
   faults(std::string(kSequence) + "[[model]]\nfile = \"a/m.h5\"\nkind = \"network\"\nconfig = \"c\"\n",
-         "\"a/m.h5\" is no name for a file");
-  faults("[[sequence]]\nname = \"..\"\nsource = \"folder:set\"\n", "\"..\" is no name for a file");
+         "\"a/m.h5\" is not a name for a file");
+  faults("[[sequence]]\nname = \"..\"\nsource = \"folder:set\"\n", "\"..\" is not a name for a file");
   faults("[[sequence]]\nname = \"models\"\nsource = \"folder:set\"\n", "a folder of the experiment itself");
   faults("convention = \"abc\"\n" + std::string(kSequence), "convention");
   faults("claims = \"all\"\n" + std::string(kSequence), "scia15");

@@ -11,7 +11,7 @@ namespace knuckle {
 
 /// Scores all boxes and poses of an experiment and writes what is to be read of it: tables and timings as
 /// CSV, figures as SVG and PNG, a page of details for each sequence, and last the page `report.html`, which
-/// needs no other file. `sources` has one a sequence.
+/// needs no other file. `sources` has one per sequence.
 void write_experiment_report(const ExperimentPlan& plan, std::span<const std::string> sources, double scale,
                              const ExperimentFolder& folder);
 

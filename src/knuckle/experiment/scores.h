@@ -28,10 +28,10 @@ struct SequenceScores {
 /// What all methods reached on all sequences.
 struct ExperimentScores {
   std::vector<SequenceScores> sequences;
-  std::vector<TrainingRecord> trainings;  ///< one a model
+  std::vector<TrainingRecord> trainings;  ///< one per model
 };
 
-/// Scores all boxes and poses of an experiment. `sources` has one a sequence.
+/// Scores all boxes and poses of an experiment. `sources` has one per sequence.
 ExperimentScores scored(const ExperimentPlan& plan, std::span<const std::string> sources,
                         const ExperimentFolder& folder);
 

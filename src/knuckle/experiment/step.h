@@ -22,7 +22,7 @@ enum class StepOutcome {
 
 /// Does `work`, which writes `output` (whole or not at all), unless that was made from the same inputs
 /// before. The inputs are kept beside it, as `OUTPUT.begun` while the work is done and as `OUTPUT.inputs`
-/// behind it, so that a run that was stopped or changed redoes only what it must.
+/// after it, so that a run that was stopped or changed redoes only what it must.
 StepOutcome run_step(const std::filesystem::path& output, const Inputs& inputs,
                      const std::function<void(StepStart)>& work);
 

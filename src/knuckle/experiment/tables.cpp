@@ -11,7 +11,7 @@
 namespace knuckle {
 namespace {
 
-constexpr std::size_t kHalf = 50;  // the threshold t = 0.5 of a curve with a value a hundredth
+constexpr std::size_t kHalf = 50;  // the threshold t = 0.5 of a curve with a value per hundredth
 constexpr std::size_t kThreeQuarters = 75;
 
 template <class... Values>

@@ -69,7 +69,7 @@ struct OffsetOptions {
 DepthOffset drawn_offset(const OffsetOptions& options, Random& random);
 
 /// Pixels a millimetre at some depth, in units of 2^-14: whole numbers, so that every machine and every way
-/// of computing reads the same pixels. At most 16 pixels a millimetre.
+/// of computing reads the same pixels. At most 16 pixels per millimetre.
 struct PixelScale {
   static constexpr int kBits = 14;
   static constexpr std::int32_t kMost = 16 << kBits;

@@ -40,7 +40,7 @@ struct FeatureRows {
 
   std::size_t tile_count() const { return (sample_count + kTileSamples - 1) / kTileSamples; }
 
-  /// The place of row 0 of a tile's first sample; row r lies r * chunk_samples behind it.
+  /// The place of row 0 of a tile's first sample; row r lies r * chunk_samples after it.
   std::int16_t* tile(std::size_t tile) {
     const std::size_t first = tile * kTileSamples;
     return values.data() + first / chunk_samples * row_count * chunk_samples + first % chunk_samples;

@@ -15,7 +15,7 @@
 namespace knuckle {
 
 /// A node of a tree in a flat array. A sample goes to node `next` where its feature is below the threshold,
-/// else to the node behind it.
+/// else to the node after it.
 template <class Feature>
 struct TreeNode {
   std::int32_t next =
@@ -57,7 +57,7 @@ void check_trees(const FlatTrees<Feature>& trees, std::size_t leaf_count, const 
   }
 }
 
-/// Adds a grown tree behind those there are; its leaves are numbered from `first_leaf` on. Returns its leaves
+/// Adds a grown tree after those there are; its leaves are numbered from `first_leaf` on. Returns its leaves
 /// as indices of the grown tree's nodes.
 template <class Feature>
 std::vector<std::size_t> append_nodes(FlatTrees<Feature>& trees, const GrownTree<Feature>& tree,
@@ -91,7 +91,7 @@ void write_rows(Hdf5File& file, const std::string& name, const std::vector<T>& v
   file.write(name, shape, values.data(), {std::min(rows_per_chunk, shape[0]), kForestDeflateLevel});
 }
 
-/// One value an element.
+/// One value per element.
 template <class T>
 std::vector<T> read_column(const Hdf5File& file, const std::string& name, std::size_t count) {
   Hdf5Array<T> array = file.read<T>(name);

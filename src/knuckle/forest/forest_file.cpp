@@ -44,7 +44,7 @@ LeafTable read_leaves(const Hdf5File& file) {
   const std::vector<float> offset = file.read<float>("leaf_offset").values;
   const std::vector<float> step = file.read<float>("leaf_step").values;
   const std::string origin = file.path().string();
-  if (offset.empty()) fail("{}: leaf_offset is empty, expected a value a target", origin);
+  if (offset.empty()) fail("{}: leaf_offset is empty, expected a value per target", origin);
   const auto bits = static_cast<int>(file.number_attribute("leaf_bits"));
   switch (bits) {
     case 8:

@@ -111,8 +111,7 @@ void grow_trees(const Features& features, const Statistics& statistics, const Tr
                 const TrainingRun& run, const std::string& fingerprint, const Append& append) {
   using Grower = TreeGrower<Features, Statistics>;
   const std::int64_t steps_per_tree = Grower::kStepsPerLevel * options.max_depth;
-  Progress progress("train forest", "thousandths of levels",
-                    static_cast<std::int64_t>(trees) * steps_per_tree);
+  Progress progress("train forest", "steps", static_cast<std::int64_t>(trees) * steps_per_tree);
   progress.advance(static_cast<std::int64_t>(first_tree) * steps_per_tree);
   Grower grower(features, statistics, options);
   for (std::size_t tree = first_tree; tree < trees; ++tree) {

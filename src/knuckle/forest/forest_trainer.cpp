@@ -26,7 +26,7 @@ constexpr double kGigabyte = 1e9;
 /// Samples in a thread's working memory for small nodes.
 constexpr double kSmallNodes = 2048.0;
 
-/// The mean of the targets of all samples that reach each leaf: one row a leaf, in the order of the nodes.
+/// The mean of the targets of all samples that reach each leaf: one row per leaf, in the order of the nodes.
 std::vector<float> leaf_means(const TrainingSamples& samples, const Tree& tree,
                               const std::vector<std::size_t>& leaves) {
   const auto targets = static_cast<std::size_t>(samples.target_count());
@@ -46,7 +46,7 @@ std::vector<float> leaf_means(const TrainingSamples& samples, const Tree& tree,
   return means;
 }
 
-/// Adds a tree behind those there are; leaves stay exact until the forest is whole.
+/// Adds a tree after those there are; leaves stay exact until the forest is whole.
 void append_tree(Parts& parts, const TrainingSamples& samples, const Tree& tree) {
   const std::vector<std::size_t> leaves = append_nodes(parts.trees, tree, parts.leaves.leaf_count());
   std::vector<float> means = parts.leaves.decoded();

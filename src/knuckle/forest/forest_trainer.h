@@ -16,7 +16,7 @@ struct RegressionForestOptions {
   int trees = 8;  ///< [1, 1000]
   TreeOptions tree;
   int scoring_dimensions = 15;  ///< principal components of the targets that score splits, [1, 95]
-  int leaf_bits = 16;           ///< bits a leaf's value is kept with: 8, 16 or 32
+  int leaf_bits = 16;           ///< bits that a leaf's value is kept with: 8, 16 or 32
   double memory_gb = 16.0;      ///< most that samples and training may take, (0, 10^6] [10^9 bytes]
 
   void visit(OptionVisitor& visitor);
@@ -33,7 +33,7 @@ void check_training_memory(std::int64_t samples, int features, int targets,
                            const RegressionForestOptions& options);
 
 /// Trains a forest. A leaf holds the mean of the targets of all samples of the tree that reach it.
-/// `target_weights` multiply the targets in the scores (not in the leaves), one a target; none: all 1. The
+/// `target_weights` multiply the targets in the scores (not in the leaves), one per target; none: all 1. The
 /// result depends neither on the number of threads nor on the order of the samples. Throws an Error where no
 /// sample is set or memory_gb does not suffice.
 RegressionForest train_regression_forest(const TrainingSamples& samples,

@@ -14,7 +14,7 @@ namespace {
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using RowView = Eigen::Map<const RowMatrix>;
 
-/// A row a component, the widest first.
+/// A row per component, the widest first.
 RowMatrix principal_components(const RowMatrix& centred) {
   const Eigen::MatrixXd covariance = (centred.transpose() * centred).cast<double>();
   return symmetric_eigen(covariance).vectors.rowwise().reverse().transpose().cast<float>();

@@ -36,7 +36,7 @@ LeafTable::LeafTable(int dimensions, std::span<const float> values, int bits) {
     codes_ = std::vector<float>(values.begin(), values.end());
     return;
   }
-  if (bits != 8 && bits != 16) fail("forest leaves: {} bits a value, expected 8, 16 or 32", bits);
+  if (bits != 8 && bits != 16) fail("forest leaves: {} bits per value, expected 8, 16 or 32", bits);
   for (std::size_t d = 0; d < columns && !values.empty(); ++d) {
     float lowest = values[d];
     float highest = values[d];

@@ -10,8 +10,8 @@
 
 namespace knuckle {
 
-/// The values of a forest's leaves: one row a leaf, one column a target. With 8 or 16 bits a column is kept
-/// as
+/// The values of a forest's leaves: one row per leaf, one column per target. With 8 or 16 bits a column is
+/// kept as
 ///     value = offset + step * code,   step = (highest - lowest) / (2^bits - 1),   offset = lowest,
 /// so that a value loses at most half a step; with 32 bits it is kept as it is.
 class LeafTable {
@@ -50,7 +50,7 @@ struct LeafCoding;
 /// Adds the table to a file as it is, or coded (leaf_coding.h).
 void write_leaves(Hdf5File& file, const LeafTable& leaves);
 void write_leaves(Hdf5File& file, const LeafTable& leaves, const LeafCoding& coding);
-/// Reads it back; coded leaves with 8 bits a value. Throws an Error that names the file where something is
+/// Reads it back; coded leaves with 8 bits per value. Throws an Error that names the file where something is
 /// missing or does not fit together.
 LeafTable read_leaves(const Hdf5File& file);
 

@@ -28,7 +28,7 @@ class OffsetFeatures {
   /// Calls its second argument for 0, ..., count - 1: parallel_for, or a plain loop.
   using Loop = void (*)(std::int64_t count, const std::function<void(std::int64_t)>& work);
 
-  /// The depths that a node's samples read, a row an offset of its pool.
+  /// The depths that a node's samples read, a row per offset of its pool.
   struct Block {
     FeatureRows rows;
     std::vector<DepthOffset> pool;

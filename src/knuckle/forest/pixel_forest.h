@@ -25,7 +25,7 @@ class PixelForest {
   /// What a forest is made of.
   struct Parts {
     FlatTrees<OffsetPair> trees;
-    std::vector<std::uint8_t> leaf_codes;  ///< one a leaf
+    std::vector<std::uint8_t> leaf_codes;  ///< one per leaf
   };
 
   /// Throws an Error that starts with `origin` where the parts do not fit together, or an offset is larger
@@ -44,7 +44,7 @@ class PixelForest {
   /// need not see all trees. What is left of them cannot lift it above the threshold any more.
   Image<std::uint8_t> above(const Image<float>& depth_mm, const Camera& camera, float threshold) const;
 
-  /// A forest of at most `most_leaves` leaves (or one a tree), see pruned_nodes().
+  /// A forest of at most `most_leaves` leaves (or one per tree), see pruned_nodes().
   PixelForest pruned(std::size_t most_leaves) const;
 
  private:

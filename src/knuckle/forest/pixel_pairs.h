@@ -34,7 +34,7 @@ class PixelPairFeatures {
   using Feature = PixelPair;
 
   using Candidate = PixelPair;
-  /// The samples of a node, a row a pixel.
+  /// The samples of a node, a row per pixel.
   using Block = FeatureRows;
   /// Calls its second argument for 0, ..., count - 1: parallel_for, or a plain loop.
   using Loop = void (*)(std::int64_t count, const std::function<void(std::int64_t)>& work);

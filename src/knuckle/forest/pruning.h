@@ -11,7 +11,7 @@
 
 namespace knuckle {
 
-/// The leaves of all trees of a forest: one row of `dimensions` values a leaf.
+/// The leaves of all trees of a forest: one row of `dimensions` values per leaf.
 struct LeafRows {
   std::size_t dimensions = 0;
   std::vector<float> values;
@@ -19,17 +19,17 @@ struct LeafRows {
   std::size_t count() const { return dimensions == 0 ? 0 : values.size() / dimensions; }
 };
 
-/// What pruning leaves of a forest's nodes; `next` is that of TreeNode, one a node.
+/// What pruning leaves of a forest's nodes; `next` is that of TreeNode, one per node.
 struct PrunedNodes {
-  std::vector<std::uint8_t> is_kept;  ///< one a node
-  std::vector<std::uint8_t> is_leaf;  ///< one a node; only those that are kept count
-  LeafRows leaves;                    ///< one row a kept leaf, in the order of the nodes
+  std::vector<std::uint8_t> is_kept;  ///< one per node
+  std::vector<std::uint8_t> is_leaf;  ///< one per node; only those that are kept count
+  LeafRows leaves;                    ///< one row per kept leaf, in the order of the nodes
 };
 
-/// Merges two leaves of one parent at a time until at most `most_leaves` are left (or one a tree), always
+/// Merges two leaves of one parent at a time until at most `most_leaves` are left (or one per tree), always
 /// those whose merging moves the forest's answers least: by Ward's criterion, the sum of squares
 ///     w1 w2 / (w1 + w2) |m1 - m2|^2
-/// with m the leaves' values times `scale` (one a dimension) and w the number of leaves that each was made
+/// with m the leaves' values times `scale` (one per dimension) and w the number of leaves that each was made
 /// of: leaves of a grown forest hold about equally many samples. A merged leaf is the mean of its parts.
 PrunedNodes pruned_nodes(std::span<const std::int32_t> next, std::span<const std::uint32_t> roots,
                          LeafRows leaves, std::span<const float> scale, std::size_t most_leaves);

@@ -40,8 +40,8 @@ class RegressionForest {
 
   /// The mean of the trees' leaves, and how far the trees disagree.
   struct Prediction {
-    std::vector<float> mean;       ///< one a target
-    std::vector<float> deviation;  ///< one a target: the standard deviation over the trees
+    std::vector<float> mean;       ///< one per target
+    std::vector<float> deviation;  ///< one per target: the standard deviation over the trees
   };
   /// `features` has feature_count() entries (an Error otherwise). Safe to call from many threads.
   Prediction predict(std::span<const float> features) const;
@@ -49,11 +49,11 @@ class RegressionForest {
   /// The row of the table of leaves that `features` reaches in each tree.
   std::vector<std::uint32_t> leaves_of(std::span<const float> features) const;
 
-  /// A forest of the same structure whose leaves are kept with 8, 16 or 32 bits a value.
+  /// A forest of the same structure whose leaves are kept with 8, 16 or 32 bits per value.
   RegressionForest with_leaf_bits(int bits) const;
 
-  /// A forest of at most `most_leaves` leaves (or one a tree), see pruned_nodes(). `scale`: what a unit of
-  /// each target counts (an Error where there is not one a target).
+  /// A forest of at most `most_leaves` leaves (or one per tree), see pruned_nodes(). `scale`: what a unit of
+  /// each target counts (an Error where there is not one per target).
   RegressionForest pruned(std::size_t most_leaves, std::span<const float> scale) const;
 
  private:

@@ -42,7 +42,7 @@ Eigen::MatrixXd ordered_sum(std::span<const std::uint32_t> order, const Eigen::M
   return total;
 }
 
-/// The linear map from centred, weighted targets to scoring dimensions, one row a dimension.
+/// The linear map from centred, weighted targets to scoring dimensions, one row per dimension.
 struct Projection {
   Eigen::VectorXd mean;
   Eigen::MatrixXd rows;

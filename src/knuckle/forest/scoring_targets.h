@@ -16,12 +16,12 @@ struct ScoringTargets {
   int dimensions = 0;                ///< of a row
   float step = 1.0F;                 ///< a value is `step` times the whole number
   double captured_variance = 1.0;    ///< part of the weighted targets' variance that the projection keeps
-  std::vector<std::int16_t> values;  ///< one row a sample of the set; rows never set are 0
+  std::vector<std::int16_t> values;  ///< one row per sample of the set; rows never set are 0
 
   const std::int16_t* row(std::size_t sample) const { return values.data() + sample * dimensions; }
 };
 
-/// `order` lists the samples (canonical order); `weights` multiply the targets, one a target, or none for
+/// `order` lists the samples (canonical order); `weights` multiply the targets, one per target, or none for
 /// all 1.
 ScoringTargets make_scoring_targets(const TrainingSamples& samples, std::span<const std::uint32_t> order,
                                     std::span<const double> weights, int most_dimensions);

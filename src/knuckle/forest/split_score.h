@@ -76,7 +76,7 @@ class VarianceStatistics {
 
     std::size_t count_ = 0;
     std::span<const std::uint32_t> samples_;
-    std::vector<std::array<Int32x8, kRegisters>> rows_;  // one a sample; lane 0 is 1, unused lanes are 0
+    std::vector<std::array<Int32x8, kRegisters>> rows_;  // one per sample; lane 0 is 1, unused lanes are 0
     std::array<Float32x8, kRegisters> mean_{};           // what the rounding of the mean left; 1 in lane 0
     std::vector<float> weight_;                          // n / (n_l n_r) for each n_l
   };

@@ -77,7 +77,7 @@ class TreeGrower {
   static constexpr std::size_t kSamplesPerGroup = 1024;
   /// Nodes are split in batches of about this many scored samples: what a stop loses at most.
   static constexpr std::size_t kSamplesPerBatch = 1 << 18;
-  /// Numbers of the streams a tree draws from: 0 for its bag, then one a node.
+  /// Numbers of the streams a tree draws from: 0 for its bag, then one per node.
   static constexpr std::uint64_t kBagStream = 0;
 
   std::vector<std::uint32_t> bag(std::span<const std::uint32_t> samples, std::uint64_t seed) const;

@@ -24,7 +24,7 @@ class ValueBins {
  private:
   int lowest_ = 0;
   int count_ = 1;
-  std::uint32_t factor_ = 0;  ///< 0: one bin a value
+  std::uint32_t factor_ = 0;  ///< 0: one bin per value
 };
 
 }  // namespace knuckle

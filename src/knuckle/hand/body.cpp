@@ -29,7 +29,7 @@ void check_group(std::string_view what, std::string_view owner, const VertexGrou
     if (vertex < 0 || vertex >= static_cast<std::int64_t>(vertex_count)) {
       fail("{}: {} names vertex {}, the body has {}", what, owner, vertex, vertex_count);
     }
-    if (!std::isfinite(group.weights[i])) fail("{}: {} has a weight that is no number", what, owner);
+    if (!std::isfinite(group.weights[i])) fail("{}: {} has a weight that is not a number", what, owner);
     sum += group.weights[i];
   }
   if (!(std::abs(sum - 1.0) <= kWeightSumTolerance)) {
@@ -78,7 +78,7 @@ void check_bones(const Body& body, std::string_view what) {
   for (std::size_t i = 0; i < body.names.size(); ++i) {
     if (!seen.insert(body.names[i]).second) fail("{}: two bones are named '{}'", what, body.names[i]);
     if (body.parents[i] < -1 || body.parents[i] >= static_cast<std::int64_t>(i)) {
-      fail("{}: parents of bone {} ('{}') is {}, expected -1 or a bone before it; a cycle is no skeleton",
+      fail("{}: parents of bone {} ('{}') is {}, expected -1 or a bone before it; a cycle is not a skeleton",
            what, i, body.names[i], body.parents[i]);
     }
   }

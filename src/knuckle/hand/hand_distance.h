@@ -48,7 +48,7 @@ class HandSet {
   std::size_t size() const { return size_; }
 
   /// The hand with the least mean distance to `target` once it is aligned to it, as
-  /// mean_distance_mm(target, aligned_to(target, hand)) in single precision; about 20 ns a hand.
+  /// mean_distance_mm(target, aligned_to(target, hand)) in single precision; about 20 ns per hand.
   NearestHand nearest(const HandJoints& target) const;
 
  private:

@@ -20,7 +20,7 @@ void check_pose(const Body& body, const BodyPose& pose) {
   }
   for (std::size_t i = 0; i < pose.rotations.size(); ++i) {
     if (!(std::abs(pose.rotations[i].norm() - 1.0f) <= kUnitTolerance)) {
-      fail("body pose: the rotation of bone '{}' is no unit quaternion", body.names[i]);
+      fail("body pose: the rotation of bone '{}' is not a unit quaternion", body.names[i]);
     }
   }
   if (!pose.camera_from_body.matrix().allFinite()) fail("body pose: camera_from_body is not finite");

@@ -25,7 +25,7 @@ struct ShapedBody {
 /// Sets joints and landmarks from the vertices, by the body's regressors.
 void find_joints(ShapedBody& person);
 
-/// v_template + sum of coefficient x direction; `coefficients` has one a shape direction. Throws an Error
+/// v_template + sum of coefficient x direction; `coefficients` has one per shape direction. Throws an Error
 /// where their number is wrong or one is not finite.
 ShapedBody shaped_body(const Body& body, std::span<const double> coefficients);
 
@@ -44,7 +44,7 @@ struct PosedBody {
 };
 
 /// What each bone does to points of the body at rest: B matrices camera_from_rest. Throws an Error where the
-/// pose has another number of bones or a rotation that is no unit quaternion.
+/// pose has another number of bones or a rotation that is not a unit quaternion.
 std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const BodyPose& pose);
 
 /// How the skin follows several bones.

@@ -12,13 +12,13 @@ namespace knuckle {
 namespace {
 
 // A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
-// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds a cycle need not wait for one another, and
+// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another, and
 // each number read serves several of them.
 constexpr int kPixelsPerBlock = kLanes == 16 ? 12 : 6;
 constexpr int kVectorsPerBlock = 2;
 constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;
 
-/// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie behind one another.
+/// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie one after another.
 struct Window {
   const float* input;           // of the first pixel
   std::ptrdiff_t pixel_stride;  // from one output's input to the next one's

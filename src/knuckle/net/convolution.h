@@ -25,7 +25,7 @@ class Convolution {
     int padding = 0;  ///< zeros around the input; its map's border is at least as wide
   };
 
-  /// `weights`: outputs x inputs x kernel x kernel; `bias`: outputs. `input_stride`: numbers a pixel of the
+  /// `weights`: outputs x inputs x kernel x kernel; `bias`: outputs. `input_stride`: numbers per pixel of the
   /// input map takes.
   Convolution(const Shape& shape, int input_stride, std::span<const float> weights,
               std::span<const float> bias);

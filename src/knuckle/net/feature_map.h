@@ -23,7 +23,7 @@ class FeatureMap {
 
   /// A map of zeros whose channels fill whole registers: those that are too many stay 0.
   explicit FeatureMap(const Shape& shape) : FeatureMap(shape, whole_lanes(shape.channels)) {}
-  /// One whose single channel takes a single number a pixel.
+  /// One whose single channel takes a single number per pixel.
   static FeatureMap of_image(int size, int border) { return {Shape{size, size, 1, border}, 1}; }
 
   int height() const { return shape_.height; }

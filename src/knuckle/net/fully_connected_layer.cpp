@@ -47,7 +47,7 @@ FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation act
 std::vector<float> FullyConnectedLayer::apply(std::span<const float> input) const {
   constexpr int kVectors = kOutputsPerBlock / kLanes;
   std::vector<float> output(shifts_.size());
-  std::size_t next = 0;  // column; all are read one behind another
+  std::size_t next = 0;  // column; all are read one after another
   for (std::size_t first = 0; first < output.size(); first += kOutputsPerBlock) {
     FloatLanes sums[kVectors] = {};
     for (int i = 0; i < inputs_; ++i, ++next) {

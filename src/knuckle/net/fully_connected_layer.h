@@ -15,11 +15,11 @@ namespace knuckle {
 /// A fully connected layer: output = activation(scales * (weights * input) + shifts).
 ///
 /// A wide layer is bound by reading its weights, each of which is used once: they stay in half precision in
-/// memory and are read in one stream. Leaving out those of inputs that are 0 (half of them behind a ReLU) was
+/// memory and are read in one stream. Leaving out those of inputs that are 0 (half of them after a ReLU) was
 /// slower: it breaks the stream.
 class FullyConnectedLayer {
  public:
-  /// `weights`: outputs x inputs; `norm`: the norm behind them, or scales of 1 and a bias.
+  /// `weights`: outputs x inputs; `norm`: the norm after them, or scales of 1 and a bias.
   FullyConnectedLayer(int inputs, int outputs, Activation activation, std::span<const Half> weights,
                       const FoldedNorm& norm);
 

@@ -37,7 +37,7 @@ TEST_P(FullyConnectedLayers, AreTheDefinition) {
   const FoldedNorm norm{random_floats(static_cast<std::size_t>(outputs), 2),
                         random_floats(static_cast<std::size_t>(outputs), 4)};
   std::vector<float> input = random_floats(static_cast<std::size_t>(inputs), 3);
-  for (float& value : input) value = std::max(value, 0.0f);  // zeros among them, as behind a ReLU
+  for (float& value : input) value = std::max(value, 0.0f);  // zeros among them, as after a ReLU
   const std::vector<float> linear =
       FullyConnectedLayer(inputs, outputs, Activation::linear, weights, norm).apply(input);
   const std::vector<float> rectified =

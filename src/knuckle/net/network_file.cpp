@@ -78,7 +78,7 @@ bool take(std::string_view& text, std::string_view start) {
   return true;
 }
 
-/// The options of a header behind its first line, whose arrays must be theirs.
+/// The options of a header after its first line, whose arrays must be theirs.
 NetworkOptions options_of(std::string_view header, const std::string& path) {
   const std::size_t line_end = header.find('\n');
   if (line_end == std::string_view::npos || !take(header, "version ")) {

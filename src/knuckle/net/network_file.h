@@ -11,7 +11,7 @@ namespace knuckle {
 
 // A network's file is a LibTorch archive, but is read without LibTorch: such an archive is a zip in which the
 // bytes of each tensor are a record NAME/data/N as they are. It holds two or three tensors, in this order:
-// the header, a text as bytes; the weights, all arrays of half precision one behind another; and the
+// the header, a text as bytes; the weights, all arrays of half precision one after another; and the
 // statistics of batch norms in single precision, where there are any.
 
 /// What a network's file says it is.

@@ -12,8 +12,8 @@ namespace knuckle {
 
 /// What a network says about one patch.
 struct NetworkPrediction {
-  std::vector<PatchPoint> joints;  ///< one a landmark of the convention
-  std::vector<float> confidence;   ///< one a joint, in [0, 1]; or empty where the network gives none
+  std::vector<PatchPoint> joints;  ///< one per landmark of the convention
+  std::vector<float> confidence;   ///< one per joint, in [0, 1]; or empty where the network gives none
 };
 
 /// A network, laid out for answering one patch at a time on the calling thread.

@@ -43,7 +43,7 @@ class NetworkWeights {
   const NetworkOptions& options() const { return options_; }
   const std::vector<NetworkArray>& arrays() const { return arrays_; }
 
-  /// Of all arrays, one behind another.
+  /// Of all arrays, one after another.
   std::span<Half> halves() { return halves_; }
   std::span<const Half> halves() const { return halves_; }
   std::span<float> singles() { return singles_; }

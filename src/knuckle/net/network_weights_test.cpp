@@ -42,7 +42,7 @@ TEST(NetworkWeights, AreSharedByNameAndWhole) {
   EXPECT_EQ(weights.halves()[place], half_of_float(0.5f));
   EXPECT_EQ(weights.floats("head.bias")[0], 0.5f);
   weights.singles("stem.norm.running_var")[0] = 3.0f;
-  EXPECT_EQ(weights.singles()[8], 3.0f) << "behind the stem's 8 means";
+  EXPECT_EQ(weights.singles()[8], 3.0f) << "after the stem's 8 means";
 }
 
 TEST(RandomWeights, DependOnTheSeedAloneAndHaveTheirDeviation) {

@@ -7,7 +7,7 @@
 
 namespace knuckle {
 
-/// A convolution without padding, and the max-pooling behind it.
+/// A convolution without padding, and the max-pooling after it.
 struct BankLayer {
   int kernel;
   int pool;
@@ -24,7 +24,7 @@ inline constexpr BankLayer kBankLayers[kBanks][kLayersPerBank] = {
 /// How many numbers the banks end in: 7776 for patches of 96 pixels and 32 maps, 9 x 9 x 32 from each bank.
 int bank_feature_count(int patch_size, int second_maps);
 
-/// A fully connected layer behind the banks.
+/// A fully connected layer after the banks.
 struct ConnectedLayer {
   enum class Activation { hidden, relu, linear };  ///< hidden: ReLU, in training with dropout
   int units;
@@ -34,7 +34,7 @@ struct ConnectedLayer {
   bool has_norm() const { return activation != Activation::linear; }
 };
 
-/// Heat maps: numbers a joint in the output, cells and, in `heatmap25d`, bins of depth.
+/// Heat maps: numbers per joint in the output, cells and, in `heatmap25d`, bins of depth.
 int depth_bins_per_joint(const NetworkOptions& options);
 
 /// The layers of one of the paper's five architectures.

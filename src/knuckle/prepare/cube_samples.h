@@ -21,7 +21,7 @@ struct CubeSample {
   Point3 centre_mm;               ///< of the cube, in the camera
 };
 
-/// Training samples in memory: 8 bits a pixel, 20.7 kB for a crop of 144 x 144. A step is 1/127 of half the
+/// Training samples in memory: 8 bits per pixel, 20.7 kB for a crop of 144 x 144. A step is 1/127 of half the
 /// crop's cube, 1.5 mm for one of 375 mm: less than a sensor's noise.
 class CubeSamples {
  public:
@@ -46,7 +46,7 @@ class CubeSamples {
            const Point3& centre_mm);
   /// Sets sample `index` to one that was taken from others of the same sizes.
   void set(std::int64_t index, const CubeSample& sample);
-  /// Forgets the places that were never set. Call it once, behind the last `set`.
+  /// Forgets the places that were never set. Call it once, after the last `set`.
   void finish();
 
   std::int64_t size() const { return static_cast<std::int64_t>(kept_.size()); }  ///< after `finish`

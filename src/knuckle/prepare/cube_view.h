@@ -50,7 +50,7 @@ class CubeViewer {
   Point3 in_camera(const CubeSample& sample, const CubeView& view, std::span<const float, 3> joint) const;
 
  private:
-  /// Crop pixels a patch pixel: a cube whose centre is farther than the crop's shows more of it.
+  /// Crop pixels per patch pixel: a cube whose centre is farther than the crop's shows more of it.
   double crop_px_per_patch_px(const CubeSample& sample, const CubeView& view) const;
 
   const CubeSamples& samples_;

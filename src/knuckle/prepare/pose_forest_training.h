@@ -49,7 +49,7 @@ struct PoseForestTraining {
 };
 
 /// Cuts the hand out of every frame and trains a forest on the patches. With a `checkpoint`, a training that
-/// was stopped goes on behind its last whole tree. Throws an Error where the source has no truth, or no frame
+/// was stopped goes on after its last whole tree. Throws an Error where the source has no truth, or no frame
 /// of it can be used.
 PoseForestTraining run_training(const PoseForestTrainingConfig& config,
                                 const std::filesystem::path& checkpoint);

@@ -11,7 +11,7 @@ namespace knuckle {
 
 /// A folder in which cut-out hands are kept from one training to the next. A file there is named by a hash of
 /// all that its samples depend on: frames, segmentation and options, but not the program; empty the folder
-/// behind a change of it.
+/// after a change of it.
 class SampleCache {
  public:
   /// An empty path: nothing is kept. Throws an Error that names the folder where it cannot be made.

@@ -23,8 +23,8 @@ struct PoseForestTrainingOptions {
   }
 };
 
-/// Patches and where their joints are, to train on. Patches are kept with 16 bits a pixel, in steps of 1/1024
-/// deviations (a fortieth of a millimetre for a usual hand): 18.4 kB for one of 96 x 96.
+/// Patches and where their joints are, to train on. Patches are kept with 16 bits per pixel, in steps of
+/// 1/1024 deviations (a fortieth of a millimetre for a usual hand): 18.4 kB for one of 96 x 96.
 class PoseTrainingSet {
  public:
   /// Room for `count` samples. `statistics` are those of the patches that will be set. A mean patch changes
@@ -36,7 +36,7 @@ class PoseTrainingSet {
   enum class Kept { yes, joint_missing };
 
   /// Sets sample `index`, each at most once; safe to call from many threads. `joints` are in patch
-  /// coordinates, one a landmark. A sample of which a joint is missing (NaN) cannot be scored: it is left
+  /// coordinates, one per landmark. A sample of which a joint is missing (NaN) cannot be scored: it is left
   /// out, and the answer says so. Samples never set are left out as well. Throws an Error where a size is
   /// wrong or a pixel is not finite.
   Kept set(std::int64_t index, const HandPatch& patch, std::span<const PatchPoint> joints);
@@ -58,7 +58,7 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
                            const PoseForestTrainingOptions& options);
 
 /// Trains on all samples kept. The forest depends on the samples and options only, not on threads or the
-/// samples' order. With a `checkpoint` a training that was stopped goes on behind its last whole tree. Throws
+/// samples' order. With a `checkpoint` a training that was stopped goes on after its last whole tree. Throws
 /// an Error where no sample was kept.
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
                                   const std::filesystem::path& checkpoint = {});

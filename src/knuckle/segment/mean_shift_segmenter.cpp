@@ -64,11 +64,11 @@ struct Candidate {
   double score = 0.0;
   double area_mm2 = 0.0;
   std::vector<std::int32_t> pixels;  ///< of the searched image
-  std::string reason;                ///< why it is no hand; empty where it may be one
+  std::string reason;                ///< why it is not a hand; empty where it may be one
   Ball used;                         ///< to be taken out before the next candidate
 };
 
-/// Why a region of that area is no hand; empty where it may be one.
+/// Why a region of that area is not a hand; empty where it may be one.
 std::string fault_of(double area, double min_area, double max_area) {
   if (area == 0.0) return "no measurement near the start";
   if (area < min_area)
@@ -92,7 +92,7 @@ class CandidateSearch {
   Candidate from_given(const Point3& start) const { return candidate_at(over_all(start), kNoBound); }
 
   /// From the nearest point. The search goes on with few of the points until it is near its end: enough to
-  /// tell a wall, which has many points and is no hand.
+  /// tell a wall, which has many points and is not a hand.
   Candidate from_nearest(const Point3& start) const {
     MeanShiftOptions first = options_.mean_shift;
     first.max_iterations = std::min(first.max_iterations, kMostFirstIterations);

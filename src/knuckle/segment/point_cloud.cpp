@@ -19,7 +19,7 @@ PointCloud make_cloud(std::size_t count) {
   return cloud;
 }
 
-/// Keeps the first `count` points and puts far ones behind them.
+/// Keeps the first `count` points and puts far ones after them.
 void cut_to(PointCloud& cloud, int count) {
   cloud.pixels.resize(static_cast<std::size_t>(count));
   const int padding = cloud.padded_size() - count;

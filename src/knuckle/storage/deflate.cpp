@@ -16,7 +16,7 @@ constexpr int kLevel = 3;
 
 using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 
-/// A compressor is a megabyte of tables: one a thread.
+/// A compressor is a megabyte of tables: one per thread.
 libdeflate_compressor* compressor() {
   thread_local const Compressor own(libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
   if (own == nullptr) throw std::bad_alloc();

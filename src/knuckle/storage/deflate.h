@@ -10,7 +10,7 @@ namespace knuckle {
 /// The bytes as a zlib stream (RFC 1950 and 1951), which is what HDF5's filter `deflate` stores.
 std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes);
 
-/// The low bytes of all values and behind them the high bytes: HDF5's filter `shuffle`. Noise and what lies
+/// The low bytes of all values and after them the high bytes: HDF5's filter `shuffle`. Noise and what lies
 /// beneath it separate.
 std::vector<std::uint8_t> shuffled(std::span<const std::uint16_t> values);
 

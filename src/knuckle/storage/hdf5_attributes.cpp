@@ -17,7 +17,8 @@ std::string Hdf5File::text_attribute(std::string_view name) const {
   const Hdf5Lock lock;
   const Hdf5Id id = handle_->attribute(name);
   const Hdf5Id file_type(H5Aget_type(id), H5Tclose);
-  if (H5Tget_class(file_type) != H5T_STRING) fail("{}: the attribute '{}' is no text", path().string(), name);
+  if (H5Tget_class(file_type) != H5T_STRING)
+    fail("{}: the attribute '{}' is not text", path().string(), name);
   if (H5Tis_variable_str(file_type) > 0) {
     char* pointer = nullptr;
     const Hdf5Id type = variable_text_type();
@@ -47,7 +48,7 @@ std::vector<double> Hdf5File::numbers_attribute(std::string_view name) const {
   const Hdf5Id id = handle_->attribute(name);
   const Hdf5Id type(H5Aget_type(id), H5Tclose);
   if (H5Tget_class(type) != H5T_INTEGER && H5Tget_class(type) != H5T_FLOAT) {
-    fail("{}: the attribute '{}' is no number", path().string(), name);
+    fail("{}: the attribute '{}' is not a number", path().string(), name);
   }
   const Hdf5Id space(H5Aget_space(id), H5Sclose);
   const auto count = static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));

@@ -90,8 +90,8 @@ TEST_F(Hdf5FileTest, WhatIsMissingOrOfAnotherKindIsNamed) {
   EXPECT_THAT(error_of([&] { file.read<float>("names"); }), HasSubstr("names: expected an array of numbers"));
   EXPECT_THAT(error_of([&] { file.read_texts("values"); }), HasSubstr("values: expected an array of texts"));
   EXPECT_THAT(error_of([&] { file.text_attribute("author"); }), HasSubstr("'author' is missing"));
-  EXPECT_THAT(error_of([&] { file.text_attribute("version"); }), HasSubstr("'version' is no text"));
-  EXPECT_THAT(error_of([&] { file.number_attribute("format"); }), HasSubstr("'format' is no number"));
+  EXPECT_THAT(error_of([&] { file.text_attribute("version"); }), HasSubstr("'version' is not text"));
+  EXPECT_THAT(error_of([&] { file.number_attribute("format"); }), HasSubstr("'format' is not a number"));
 }
 
 TEST_F(Hdf5FileTest, AnotherFormatOrVersionIsRefused) {

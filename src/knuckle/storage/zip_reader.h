@@ -25,7 +25,7 @@ class ZipReader {
     std::uint64_t bytes;
   };
 
-  /// Throws an Error where there is no such file. One that is no zip, or is cut short, has no records.
+  /// Throws an Error where there is no such file. One that is not a zip, or is cut short, has no records.
   explicit ZipReader(const std::filesystem::path& path);
   ~ZipReader();
   ZipReader(const ZipReader&) = delete;

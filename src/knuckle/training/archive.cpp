@@ -78,13 +78,13 @@ c10::IValue ArchiveReader::value(const std::string& name) {
 
 std::string ArchiveReader::text(const std::string& name) {
   const c10::IValue found = value(name);
-  if (!found.isString()) fail("{}: {} is no text", path_, name);
+  if (!found.isString()) fail("{}: {} is not text", path_, name);
   return found.toStringRef();
 }
 
 double ArchiveReader::number(const std::string& name) {
   const c10::IValue found = value(name);
-  if (!found.isDouble()) fail("{}: {} is no number", path_, name);
+  if (!found.isDouble()) fail("{}: {} is not a number", path_, name);
   return found.toDouble();
 }
 
@@ -94,7 +94,7 @@ std::vector<torch::Tensor> ArchiveReader::tensors(const std::string& name) {
   std::vector<torch::Tensor> tensors;
   for (int i = 0; i < static_cast<int>(count); ++i) {
     const c10::IValue found = value(name + "_" + std::to_string(i));
-    if (!found.isTensor()) fail("{}: {}_{} is no tensor", path_, name, i);
+    if (!found.isTensor()) fail("{}: {}_{} is not a tensor", path_, name, i);
     tensors.push_back(found.toTensor());
   }
   return tensors;

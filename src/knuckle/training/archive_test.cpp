@@ -84,8 +84,9 @@ TEST_F(ArchiveTest, OfAnotherFormatOrVersionIsRefused) {
 TEST_F(ArchiveTest, WhatIsMissingOrOfAnotherKindIsNamed) {
   save({});
   EXPECT_THAT(fault([](ArchiveReader& archive) { archive.text("weight"); }), HasSubstr("weight is missing"));
-  EXPECT_THAT(fault([](ArchiveReader& archive) { archive.text("length"); }), HasSubstr("length is no text"));
-  EXPECT_THAT(fault([](ArchiveReader& archive) { archive.number("name"); }), HasSubstr("name is no number"));
+  EXPECT_THAT(fault([](ArchiveReader& archive) { archive.text("length"); }), HasSubstr("length is not text"));
+  EXPECT_THAT(fault([](ArchiveReader& archive) { archive.number("name"); }),
+              HasSubstr("name is not a number"));
   EXPECT_THAT(fault([](ArchiveReader& archive) { archive.tensors("name"); }),
               HasSubstr("name_count is missing"));
 }

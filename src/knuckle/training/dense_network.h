@@ -35,7 +35,7 @@ class DenseNetwork final : public NetworkModule {
 
   int joint_count_;
   DenseNetworkOptions options_;
-  std::vector<std::shared_ptr<ConvolutionUnit>> down_;               // stem, and one a stage
+  std::vector<std::shared_ptr<ConvolutionUnit>> down_;               // stem, and one per stage
   std::vector<std::vector<std::shared_ptr<ResidualBlock>>> blocks_;  // a stage
   std::vector<std::shared_ptr<ConvolutionUnit>> lateral_;
   std::vector<std::shared_ptr<ConvolutionUnit>> smooth_;

@@ -31,7 +31,7 @@ class ConnectedUnit final : public torch::nn::Module {
   torch::nn::BatchNorm1d norm_{nullptr};  // empty where the layer is linear
 };
 
-/// Fully connected layers, one behind another. The last one answers 0 at first.
+/// Fully connected layers, one after another. The last one answers 0 at first.
 class FullyConnected final : public torch::nn::Module {
  public:
   FullyConnected(int64_t inputs, const std::vector<ConnectedLayer>& layers, double dropout);

@@ -19,7 +19,7 @@ struct LearningRateOptions {
   void visit(OptionVisitor& visitor);
 };
 
-/// At a progress in (0, 1]: how much of the training will be done behind the step.
+/// At a progress in (0, 1]: how much of the training will be done after the step.
 double learning_rate_at(const LearningRateOptions& options, double progress);
 
 }  // namespace knuckle

@@ -73,8 +73,9 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
     fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
   }
   if (options.batch_size == options.shards && network.architecture != "dense") {
-    fail("training: batch_size is {} in {} shards, expected at least 2 samples a shard: the norms need them",
-         options.batch_size, options.shards);
+    fail(
+        "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
+        options.batch_size, options.shards);
   }
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");

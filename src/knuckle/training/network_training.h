@@ -52,7 +52,7 @@ struct TrainingMetrics {
   double waiting_share = 0.0;       ///< of the time, for batches
 };
 
-/// Metrics as CSV, a line a validation.
+/// Metrics as CSV, a line per validation.
 std::string metrics_csv(const std::vector<TrainingMetrics>& metrics);
 
 /// Where and how one training runs.

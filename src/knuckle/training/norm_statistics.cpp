@@ -47,7 +47,7 @@ void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches
     network.forward(patches_of(batch, network.patch_size(), device));
   }
   // In training a norm divides by the deviation within its batch, but LibTorch keeps the unbiased variance:
-  // too much by a part in as many as the batch has samples. Maps have thousands of numbers a sample.
+  // too much by a part in as many as the batch has samples. Maps have thousands of numbers per sample.
   const auto count = static_cast<double>(plan.batch_size());
   for (torch::nn::BatchNorm1dImpl* const norm : of_units) norm->running_var.mul_((count - 1.0) / count);
   network.eval();

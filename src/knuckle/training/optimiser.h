@@ -15,7 +15,7 @@ namespace knuckle {
 struct NetworkTrainingOptions;
 
 /// Moves weights against their gradient, by SGD with momentum or AdamW (Loshchilov and Hutter 2019), and a
-/// moving average behind them. What LibTorch's optimisers do, in one pass through memory and on all threads:
+/// moving average after them. What LibTorch's optimisers do, in one pass through memory and on all threads:
 /// weights, gradients and moments of the paper's networks are 200 MB each.
 class Optimiser {
  public:
@@ -34,7 +34,7 @@ class Optimiser {
   };
   void step(const Step& step);
 
-  /// What has to be kept for going on: moments, one list behind another.
+  /// What has to be kept for going on: moments, one list after another.
   const std::vector<torch::Tensor>& moments() const { return moments_; }
   std::int64_t steps() const { return steps_; }
   void set_steps(std::int64_t steps) { steps_ = steps; }
@@ -46,7 +46,7 @@ class Optimiser {
 
   std::vector<torch::Tensor> parameters_;
   std::vector<torch::Tensor> averages_;
-  std::vector<torch::Tensor> moments_;  // sgd: one a parameter; adamw: the first of all, then the second
+  std::vector<torch::Tensor> moments_;  // sgd: one per parameter; adamw: the first of all, then the second
   TensorPieces pieces_;
   bool is_adamw_;
   double momentum_;

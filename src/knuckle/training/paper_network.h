@@ -11,7 +11,7 @@
 namespace knuckle {
 
 /// What the paper's five networks share (Riegler et al. 2015, section 3): three banks of convolutions and
-/// fully connected layers behind them. Output: N x units of the last layer.
+/// fully connected layers after them. Output: N x units of the last layer.
 class PaperNetwork : public NetworkModule {
  public:
   torch::Tensor forward(const torch::Tensor& patches) override {

@@ -40,7 +40,7 @@ int64_t parameter_count(const torch::nn::Module& module) {
 constexpr int64_t kBanks = 416 + 18464 + 416 + 12832 + 272 + 8224;
 
 /// Numbers of fully connected layers of these widths: a scale and a shift for each of the hidden units,
-/// a bias for each of the linear ones behind them.
+/// a bias for each of the linear ones after them.
 int64_t connected(int64_t inputs, std::initializer_list<int64_t> hidden,
                   std::initializer_list<int64_t> linear) {
   int64_t count = 0;
@@ -157,7 +157,7 @@ TEST_P(PaperNetworks, RefuseShardsOfASingleSample) {
                 train_network(small_options(GetParam().architecture), options, testing::no_augmentation(),
                               samples, samples, testing::run_in(folder.path(), "net"));
               }),
-              ::testing::HasSubstr("at least 2 samples a shard"));
+              ::testing::HasSubstr("at least 2 samples per shard"));
 }
 
 TEST(FullyConnected, AnswersNothingAtFirstAndDoesNotMindItsInputsScale) {

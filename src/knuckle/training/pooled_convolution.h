@@ -8,7 +8,7 @@
 
 namespace knuckle {
 
-/// The sizes of a convolution (without padding) and of the max-pooling behind it.
+/// The sizes of a convolution (without padding) and of the max-pooling after it.
 struct PooledConvolutionShape {
   int kernel = 1;
   int pool = 1;

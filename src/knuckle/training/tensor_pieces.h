@@ -12,7 +12,7 @@
 namespace knuckle {
 
 /// Like tensors of several lists, cut alike into pieces that fit a core's cache. So what is done to a piece,
-/// one operation behind another, reads and writes main memory once, and pieces are worked on by all threads.
+/// one operation after another, reads and writes main memory once, and pieces are worked on by all threads.
 ///
 /// All lists have tensors of the same shapes in the same order.
 class TensorPieces {

@@ -31,7 +31,7 @@ class Trainer {
  private:
   void step(BatchLoader& loader);
   void step_unless_interrupted(BatchLoader& loader);
-  /// How much of the training will be done behind the next step.
+  /// How much of the training will be done after the next step.
   double progress() const;
   /// How much of the time it may take has gone by; 0 where that is not limited.
   double time_share() const;

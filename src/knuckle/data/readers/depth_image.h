@@ -16,7 +16,7 @@ inline constexpr int kLargestImageSide = 65536;  ///< Width or height of an imag
 /// Depth in millimetres from stored whole numbers; 0 stays 0, no measurement.
 Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm);
 
-/// Depth as whole multiples of `unit_mm`, rounded; what is no positive number becomes 0, no measurement.
+/// Depth as whole multiples of `unit_mm`, rounded; what is not a positive number becomes 0, no measurement.
 /// Throws an Error that starts with `where` where a depth exceeds what 16 bits hold.
 Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where);
 

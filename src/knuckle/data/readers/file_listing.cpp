@@ -18,7 +18,7 @@ void visit_with(const fs::path& folder, const std::function<void(std::string_vie
   const fs::path root = folder / "";
   std::error_code error;
   for (Iterator entry(root, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code ignored;  // a file that went away meanwhile is no file
+    std::error_code ignored;  // a file that went away meanwhile is not a file
     if (entry->is_regular_file(ignored))
       visit(std::string_view(entry->path().native()).substr(root.native().size()));
   }
@@ -31,7 +31,7 @@ void require_folder(const fs::path& folder) {
   std::error_code error;
   const fs::file_status status = fs::status(folder, error);
   if (!fs::exists(status)) fail("{}: no such folder", folder.string());
-  if (!fs::is_directory(status)) fail("{}: is no folder", folder.string());
+  if (!fs::is_directory(status)) fail("{}: is not a folder", folder.string());
 }
 
 std::vector<std::string> list_files(const fs::path& folder, std::string_view prefix,

@@ -18,7 +18,7 @@ struct CameraOptions {
   std::string model = "projective";  ///< projective | orthographic
   int width = 0;                     ///< [1, 65536] [px]
   int height = 0;                    ///< [1, 65536] [px]
-  double fx = 0;                     ///< [px], or px a mm for an orthographic camera; not 0
+  double fx = 0;                     ///< [px], or px per mm for an orthographic camera; not 0
   double fy = 0;                     ///< the same down the image
   double cx = 0;                     ///< [px]
   double cy = 0;                     ///< [px]

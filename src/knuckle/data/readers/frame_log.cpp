@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::string_view kMagic = "knuckle frame log 3\n";
 
-/// What stands before a record's content, and its checksum behind it, which covers both.
+/// What stands before a record's content, and its checksum after it, which covers both.
 struct RecordHead {
   std::int64_t index;
   std::uint64_t size;  ///< of the content [bytes]

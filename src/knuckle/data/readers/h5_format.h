@@ -14,7 +14,7 @@ namespace knuckle {
 // The Knuckle dataset, an HDF5 file, version 2. Attributes of the root: `format`, `version`, `complete` (1
 // once all frames are in), `first_index`, `manifest` (text), `depth_unit_mm` (millimetres a count of depth),
 // `joints_unit`, `landmarks` (names of the rows of joints_mm), `pixel_origin` ("centre"), `camera_model`,
-// `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order). Arrays, a row a frame:
+// `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order). Arrays, a row per frame:
 
 inline constexpr std::string_view kH5Depth = "depth";        ///< N x H x W uint16, 0 = no measurement
 inline constexpr std::string_view kH5Mask = "mask";          ///< N x H x W uint8, 1 = hand; may be missing

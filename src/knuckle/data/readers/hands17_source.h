@@ -17,8 +17,8 @@ struct Hands17Options {
 };
 
 /// The HANDS 2017 challenge set, from BigHand2.2M (Yuan et al. 2017), 640x480: 16-bit PNG in mm, in the
-/// folder or its `images/`; an annotation file with a line a frame, the image's name and 21 x (x, y, z) mm, y
-/// down. Without that file frames have no truth.
+/// folder or its `images/`; an annotation file with a line per frame, the image's name and 21 x (x, y, z) mm,
+/// y down. Without that file frames have no truth.
 class Hands17Source final : public LabelledImageSource {
  public:
   Hands17Source(const std::filesystem::path& folder, const Hands17Options& options);

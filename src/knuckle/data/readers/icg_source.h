@@ -16,8 +16,8 @@ namespace knuckle {
 struct IcgOptions {
   std::string
       annotator;  ///< whose labels to take; empty: the first that is there, verified ones before others
-  double background_mm = 1000;  ///< what lies farther is no measurement, (0, inf) [mm]
-  int minimum_infrared = 250;   ///< what reflects less is no measurement, [0, 65535]
+  double background_mm = 1000;  ///< what lies farther is not a measurement, (0, inf) [mm]
+  int minimum_infrared = 250;   ///< what reflects less is not a measurement, [0, 65535]
 
   void visit(OptionVisitor& visitor);
 };
@@ -48,7 +48,7 @@ class IcgSource final : public FrameSource {
   IcgOptions options_;
   std::vector<std::string> depth_files_;                ///< relative, sorted
   std::vector<std::string> annotators_;                 ///< whose labels to look for, in this order
-  std::map<std::string, Camera, std::less<>> cameras_;  ///< one a folder that holds frames; of size 0
+  std::map<std::string, Camera, std::less<>> cameras_;  ///< one per folder that holds frames; of size 0
 };
 
 }  // namespace knuckle

@@ -17,7 +17,7 @@ struct IcvlOptions {
 };
 
 /// The ICVL hand posture set (Tang et al. 2014), 320x240: 16-bit PNG in mm below `Depth/` (or the folder
-/// itself) and a label file with a line a frame, the image's relative path and 16 x (u, v, d). Without that
+/// itself) and a label file with a line per frame, the image's relative path and 16 x (u, v, d). Without that
 /// file frames have no truth. Its intrinsics are those of the published evaluations.
 class IcvlSource final : public LabelledImageSource {
  public:

@@ -73,7 +73,7 @@ TEST(ExrImage, PicksTheChannelThatHoldsDepth) {
 TEST(ExrImage, NamesTheFileAndItsFault) {
   const testing::TemporaryFolder folder;
   EXPECT_THAT(error_of([&] { read_exr(folder / "missing.exr"); }), HasSubstr("missing.exr"));
-  put_file(folder / "no.exr", "this is no image");
+  put_file(folder / "no.exr", "this is not an image");
   EXPECT_THAT(error_of([&] { read_exr(folder / "no.exr"); }), AllOf(HasSubstr("no.exr"), HasSubstr("EXR")));
   write_layers(folder / "whole.exr", {{"R", 1.0f}}, Imf::UINT);
   EXPECT_THAT(error_of([&] { read_exr(folder / "whole.exr"); }),

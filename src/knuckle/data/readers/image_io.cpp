@@ -21,7 +21,7 @@ constexpr std::string_view kPngEnd = std::string_view("IEND\xae\x42\x60\x82");
 
 /// OpenCV fills what a file cut short lacks with zeros and does not say so: look for the end mark ourselves.
 void require_whole_png(std::string_view bytes, const std::filesystem::path& path) {
-  if (!bytes.starts_with(kPngSignature)) fail("{}: no PNG image", path.string());
+  if (!bytes.starts_with(kPngSignature)) fail("{}: not a PNG image", path.string());
   if (bytes.find(kPngEnd) == std::string_view::npos) fail("{}: the PNG image is cut short", path.string());
 }
 

@@ -61,13 +61,13 @@ TEST(ImageIoTest, APngCutAnywhereIsRefused) {
         << missing;
   }
   write_text_file(folder / "cut.png", "");
-  EXPECT_THAT(error_of([&] { read_png16(folder / "cut.png"); }), HasSubstr("cut.png: no PNG image"));
+  EXPECT_THAT(error_of([&] { read_png16(folder / "cut.png"); }), HasSubstr("cut.png: not a PNG image"));
 }
 
 TEST(ImageIoTest, ATextIsNoPng) {
   const TemporaryFolder folder;
   write_text_file(folder / "text.png", "hello");
-  EXPECT_THAT(error_of([&] { read_png16(folder / "text.png"); }), HasSubstr("text.png: no PNG image"));
+  EXPECT_THAT(error_of([&] { read_png16(folder / "text.png"); }), HasSubstr("text.png: not a PNG image"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ enum class LabelCoordinates {
 /// What the images and labels of a published set mean.
 struct LabelledImageFormat {
   Camera camera;
-  Convention convention;  ///< of the labels: three numbers a landmark, in its order
+  Convention convention;  ///< of the labels: three numbers per landmark, in its order
   LabelCoordinates coordinates = LabelCoordinates::camera_mm;
   std::int32_t first_mark = 65536;  ///< Counts from here on mark pixels without a sure depth
 };

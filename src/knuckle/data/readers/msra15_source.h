@@ -12,9 +12,9 @@
 
 namespace knuckle {
 
-/// The MSRA 2015 hand set (Sun et al. 2015), 320x240: a folder a subject, in it one a gesture, in it
-/// `NNNNNN_depth.bin` (a cropped image) and `joint.txt` (the number of frames, then 63 numbers a frame). The
-/// path may be the set, a subject or a gesture; each gesture is a sequence. A gesture without joint.txt gives
+/// The MSRA 2015 hand set (Sun et al. 2015), 320x240: a folder per subject, in it one per gesture, in it
+/// `NNNNNN_depth.bin` (a cropped image) and `joint.txt` (the number of frames, then 63 numbers per frame).
+/// The path may be the set, a subject or a gesture; each gesture is a sequence. A gesture without joint.txt gives
 /// frames without truth.
 class Msra15Source final : public FrameSource {
  public:
@@ -28,7 +28,7 @@ class Msra15Source final : public FrameSource {
  private:
   struct Gesture {
     std::string folder;               ///< relative to the path, with '/' at its end, or empty
-    std::optional<LineIndex> joints;  ///< joint.txt: the count first, then a line a frame
+    std::optional<LineIndex> joints;  ///< joint.txt: the count first, then a line per frame
   };
   struct Entry {
     std::size_t gesture;

@@ -66,7 +66,7 @@ Labels read_labels(const std::filesystem::path& path) {
   const matvar_t* array = labels.array.get();
   if (array == nullptr) fail("{}: has no array '{}', or is cut short", name, kArray);
   if (array->class_type != MAT_C_DOUBLE || array->isComplex != 0)
-    fail("{}: '{}' is no array of doubles", name, kArray);
+    fail("{}: '{}' is not an array of doubles", name, kArray);
   if (array->rank != 4 || array->dims[0] == 0 || array->dims[1] == 0 || array->dims[2] != kJointCount ||
       array->dims[3] != 3)
     fail("{}: '{}' is not views x frames x {} x 3", name, kArray, kJointCount);

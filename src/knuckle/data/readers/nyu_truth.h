@@ -10,7 +10,7 @@
 namespace knuckle {
 
 /// The truth of one view of the NYU set: `joint_uvd` of its joint_data.mat, a Matlab array of
-/// views x frames x 36 x 3 (px, px, mm), of which the 14 evaluated joints are kept: 168 bytes a frame.
+/// views x frames x 36 x 3 (px, px, mm), of which the 14 evaluated joints are kept: 168 bytes per frame.
 class NyuTruth {
  public:
   /// Reads the view's part of the array; `view` counts from 1. Throws an Error that names the file where it

@@ -48,7 +48,7 @@ TEST(SourceSpec, RefusesWhatIsNoSource) {
   EXPECT_THAT(error_of([] { parse_source_spec("/just/a/path"); }), HasSubstr("KIND:PATH"));
   EXPECT_THAT(error_of([] { parse_source_spec(":/a/path"); }), HasSubstr("names no kind"));
   EXPECT_THAT(error_of([] { parse_source_spec("nyu:"); }), HasSubstr("names no path"));
-  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view"); }), HasSubstr("'view' is no key=value"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view"); }), HasSubstr("'view' is not key=value"));
   EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view=1&view=2"); }), HasSubstr("'view' appears twice"));
 }
 

@@ -284,7 +284,7 @@ TEST(H5, NamesFileAndFault) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("missing")));
-  put_file(path, "this is no HDF5 file");
+  put_file(path, "this is not an HDF5 file");
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("HDF5")));
   Hdf5File::create(path).close();
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("format")));

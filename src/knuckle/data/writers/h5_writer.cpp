@@ -43,7 +43,7 @@ std::string landmark_names() {
   return joined(names);
 }
 
-/// Collects the small arrays of a file, a row a frame, and writes them many rows at a time.
+/// Collects the small arrays of a file, a row per frame, and writes them many rows at a time.
 template <class T>
 class RowBlock {
  public:

@@ -14,7 +14,7 @@ namespace knuckle {
 /// What predictions are compared with.
 struct Truth {
   PoseSequence sequence;                ///< joints may be missing: those are left out of every measure
-  std::vector<Projection> projections;  ///< one a frame, or a single one for all frames
+  std::vector<Projection> projections;  ///< one per frame, or a single one for all frames
 
   const Projection& projection(std::int64_t frame) const {
     return projections[projections.size() == 1 ? 0 : static_cast<std::size_t>(frame)];

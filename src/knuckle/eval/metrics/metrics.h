@@ -49,7 +49,7 @@ struct MethodScore {
   std::int64_t missing = 0;                   ///< scored frames without a (complete) prediction
   std::vector<Landmark> only_in_truth;        ///< landmarks that could not be compared
   std::vector<Landmark> only_in_predictions;  ///< landmarks that could not be compared
-  std::vector<JointScore> joints;             ///< one a compared landmark
+  std::vector<JointScore> joints;             ///< one per compared landmark
 
   double mean_3d_mm = kNaN;
   double median_3d_mm = kNaN;
@@ -59,7 +59,7 @@ struct MethodScore {
   double auc_pck_0_50 = 0.0;  ///< area under the exact PCK curve for 0-50 mm over its width, [0, 1]
   ErrorCurves curves;
   std::vector<double>
-      frame_mean_3d_mm;  ///< one a frame; infinite where missing, NaN where the frame has no truth
+      frame_mean_3d_mm;  ///< one per frame; infinite where missing, NaN where the frame has no truth
 };
 
 /// All measures of one method.

@@ -36,7 +36,7 @@ ordered_json method_json(const MethodScore& method) {
 
 ordered_json segmentation_json(const SegmentationScore& score) {
   ordered_json above = ordered_json::object();
-  for (const std::size_t percent : {50U, 75U}) {  // the curve has a value a hundredth
+  for (const std::size_t percent : {50U, 75U}) {  // the curve has a value per hundredth
     above[fmt::format("{:.2f}", score.threshold.at(percent))] = score.fraction_above.at(percent);
   }
   return {{"name", score.name},         {"frames", score.frames},         {"missing", score.missing},

@@ -37,7 +37,7 @@ DepthRange depth_range_in(const Image<float>& depth_mm, const Box& crop);
 /// A part of the image plane that is shown enlarged (or shrunk). It may reach over the image's border.
 struct View {
   Box crop;            ///< [px of the image], not empty
-  double scale = 1.0;  ///< picture pixels a pixel of the image, above 0
+  double scale = 1.0;  ///< picture pixels per pixel of the image, above 0
 
   int width() const { return std::max(1, static_cast<int>(std::lround(crop.width * scale))); }
   int height() const { return std::max(1, static_cast<int>(std::lround(crop.height * scale))); }

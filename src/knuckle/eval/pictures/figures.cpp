@@ -96,7 +96,7 @@ void add_number(Script& script, double value) {
   }
 }
 
-/// A data block: a line a place on the x axis, x first, then a column a series.
+/// A data block: a line per place on the x axis, x first, then a column per series.
 void add_data(Script& script, const Figure& figure) {
   const bool has_categories = figure.kind == FigureKind::bars;
   const std::size_t rows = has_categories ? figure.categories.size() : figure.x.size();

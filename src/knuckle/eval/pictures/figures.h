@@ -12,13 +12,13 @@ namespace knuckle {
 /// What one method contributes to a figure.
 struct Series {
   std::string name;            ///< stands in the legend
-  std::vector<double> values;  ///< one a place on the x axis; NaN leaves a gap
+  std::vector<double> values;  ///< one per place on the x axis; NaN leaves a gap
 };
 
 /// What a figure draws.
 enum class FigureKind {
-  curves,  ///< a line a series over numbers
-  bars,    ///< a group of bars, one a series, over each category
+  curves,  ///< a line per series over numbers
+  bars,    ///< a group of bars, one per series, over each category
 };
 
 /// A figure to be drawn.

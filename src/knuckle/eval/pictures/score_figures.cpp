@@ -35,7 +35,7 @@ std::vector<Landmark> compared_landmarks(const Evaluation& evaluation) {
   return landmarks;
 }
 
-/// A group of bars a joint, and the mean of all at the end.
+/// A group of bars per joint, and the mean of all at the end.
 Figure joint_figure(const Evaluation& evaluation, double JointScore::*joint_error,
                     double MethodScore::*mean) {
   Figure figure;

@@ -64,7 +64,7 @@ std::vector<std::string> method_heads(const std::vector<Score>& scores) {
   return heads;
 }
 
-/// A column with one value a score.
+/// A column with one value per score.
 template <class Score, class Value>
 NumberColumn column(std::string head, const std::vector<Score>& scores, Value value, int digits,
                     Better better) {

@@ -42,7 +42,7 @@ std::string score_section(const Evaluation& evaluation);
 /// Which landmarks were compared, and which were dropped.
 std::string landmark_section(const Evaluation& evaluation);
 
-/// Overlap of estimated and true boxes, a row a method, and the figures that belong to it.
+/// Overlap of estimated and true boxes, a row per method, and the figures that belong to it.
 std::string segmentation_section(const std::vector<SegmentationScore>& scores,
                                  const std::vector<DrawnFigure>& figures);
 

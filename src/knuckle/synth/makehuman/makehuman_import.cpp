@@ -282,7 +282,7 @@ class BodyBuilder {
   const MakeHumanMesh& mesh_;
   Skeleton skeleton_;
   Body body_;
-  std::vector<Sources> sources_;                        ///< one a vertex of the body
+  std::vector<Sources> sources_;                        ///< one per vertex of the body
   std::map<std::int32_t, std::int32_t> skin_vertices_;  ///< MakeHuman's vertex -> the body's
 };
 

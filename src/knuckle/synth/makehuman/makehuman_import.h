@@ -20,7 +20,7 @@ namespace knuckle {
 /// vertices come
 ///   markers without faces: the skeleton's points, from which the regressors read joints and landmarks.
 ///
-/// v_template alone is no adult: use `shape_coefficients`. Throws an Error that names the file where the
+/// v_template alone is not an adult: use `shape_coefficients`. Throws an Error that names the file where the
 /// package is missing or damaged.
 Body import_makehuman(const std::filesystem::path& package_folder);
 

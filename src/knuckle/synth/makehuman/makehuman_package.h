@@ -35,7 +35,7 @@ struct MakeHumanMesh {
 /// where it is missing, damaged, or inconsistent.
 MakeHumanMesh read_makehuman_mesh(const std::filesystem::path& package_folder);
 
-/// MakeHuman's morph targets: offsets of all vertices of the mesh, one row a target.
+/// MakeHuman's morph targets: offsets of all vertices of the mesh, one row per target.
 class MakeHumanTargets {
  public:
   /// Reads the names; the rows are read when asked for. Throws an Error that names the file where it is
@@ -44,7 +44,7 @@ class MakeHumanTargets {
 
   /// All names, sorted, without folder prefix and extension: "armslegs/r-hand-scale-incr".
   const std::vector<std::string>& names() const { return names_; }
-  /// The target's offsets [mm], one a vertex. Throws an Error where there is no target of that name.
+  /// The target's offsets [mm], one per vertex. Throws an Error where there is no target of that name.
   std::vector<Eigen::Vector3f> offsets_mm(const std::string& name) const;
 
  private:

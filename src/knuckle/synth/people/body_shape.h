@@ -52,8 +52,8 @@ struct WeightedTarget {
 /// family sum to 1 or less. Throws an Error that names the field where one is out of its range.
 std::vector<WeightedTarget> weighted_targets(const PersonShape& person);
 
-/// The coefficients of this person for `shaped_body`, one a shape direction. Throws an Error where a field is
-/// out of its range, or where the body lacks a direction that the person needs.
+/// The coefficients of this person for `shaped_body`, one per shape direction. Throws an Error where a field
+/// is out of its range, or where the body lacks a direction that the person needs.
 std::vector<double> shape_coefficients(const Body& body, const PersonShape& person);
 
 /// Length of the right hand at rest [mm] as anthropometry measures it: straight from the wrist's crease to

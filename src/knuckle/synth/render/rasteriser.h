@@ -46,7 +46,7 @@ struct Rendering {
 /// of a few pixels, as bodies have them.
 Rendering render(const TriangleMesh& mesh, const Camera& camera, const RasteriserOptions& options = {});
 
-/// 1 where the seen face's label is not 0, else 0. `face_labels` has one a face.
+/// 1 where the seen face's label is not 0, else 0. `face_labels` has one per face.
 Image<std::uint8_t> mask_of(const Rendering& rendering, std::span<const std::uint8_t> face_labels);
 
 }  // namespace knuckle

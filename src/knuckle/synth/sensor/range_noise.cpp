@@ -109,7 +109,7 @@ class GrainRows {
     normals_.resize((width / grain_px + 1) * grain_px);
   }
 
-  /// Those of a row's pixels, and some more behind.
+  /// Those of a row's pixels, and some more after.
   const float* row(int row) {
     set_lattice_row(row / grain_px_);
     const Weights across = weights_[row % grain_px_];
