@@ -42,15 +42,13 @@ Box box_in(std::string_view line, std::size_t frame, std::string_view where) {
 }  // namespace
 
 std::vector<Box> read_boxes_file(const std::filesystem::path& path) {
-  const std::vector<std::string> lines = read_lines(path);
-  if (lines.empty() || trimmed(lines[0]) != kHeader) {
+  const std::vector<ContentLine> lines = read_content_lines(path);
+  if (lines.empty() || trimmed(lines[0].text) != kHeader) {
     fail("{}: no boxes, expected a first line {}", path.string(), kHeader);
   }
   std::vector<Box> boxes;
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    if (trimmed(lines[i]).empty()) continue;
-    boxes.push_back(box_in(lines[i], boxes.size(), fmt::format("{}:{}", path.string(), i + 1)));
-  }
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    boxes.push_back(box_in(lines[i].text, boxes.size(), lines[i].where));
   return boxes;
 }
 

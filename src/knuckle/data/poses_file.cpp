@@ -8,6 +8,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/data/truth.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr std::string_view kConventionKey = "convention:";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it before UTF-8
-constexpr double kLargestValue = 1e9;  // [px, mm]; beyond it a value is a fault, and its square a risk
 
 /// Offset of a file's coordinates against the library's.
 double origin_offset(PixelOrigin origin) {
@@ -44,17 +44,10 @@ std::optional<Convention> convention_in(std::string_view comment, std::string_vi
 
 HandPose pose_from_line(std::string_view line, const Convention& convention, double offset,
                         std::string_view where) {
-  const std::vector<double> values = parse_numbers(line, where);
-  if (values.size() != 3 * convention.landmarks.size()) {
-    fail("{}: expected {} values (u v d of the {} landmarks of {}), found {}", where,
-         3 * convention.landmarks.size(), convention.size(), convention.name, values.size());
-  }
+  const std::vector<double> values = parse_annotation(line, 3 * convention.landmarks.size(), where);
   HandPose pose = HandPose::missing(convention);
   for (std::size_t j = 0; j < pose.joints.size(); ++j) {
     const ImagePoint joint{values[3 * j] - offset, values[3 * j + 1] - offset, values[3 * j + 2]};
-    for (const double value : {joint.u, joint.v, joint.depth_mm}) {
-      if (std::abs(value) > kLargestValue) fail("{}: {} is out of range", where, value);
-    }
     if (!joint.is_missing()) pose.joints[j] = joint;
   }
   return pose;

@@ -117,7 +117,8 @@ TEST_F(PosesFile, ErrorsNameFileLineAndFault) {
   EXPECT_THAT(error(good + line_of(41) + " 3x"), AllOf(HasSubstr(name + ":2"), HasSubstr("'3x'")));
   EXPECT_THAT(error(line_of(41) + " inf"), AllOf(HasSubstr(name + ":1"), HasSubstr("range")));
   EXPECT_THAT(error(line_of(41) + " -2e12"), AllOf(HasSubstr(name + ":1"), HasSubstr("range")));
-  EXPECT_THAT(error(good + "\n" + good), AllOf(HasSubstr(name + ":2"), HasSubstr("found 0")));
+  EXPECT_THAT(error(good + "\n" + good),
+              AllOf(HasSubstr(name + ":2"), HasSubstr("has 0 numbers, expected 42")));
   EXPECT_THAT(error("# convention: nyu15\n" + good),
               AllOf(HasSubstr(name + ":1"), HasSubstr("nyu15"), HasSubstr("icvl16")));
   EXPECT_THAT(error(good + "# convention: nyu14\n"), HasSubstr(name + ":2"));

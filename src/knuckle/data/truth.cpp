@@ -2,17 +2,27 @@
 #include "knuckle/data/truth.h"
 
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
+namespace {
+
+constexpr double kLargestNumber = 1e9;  // [px, mm]; beyond it a value is a fault, and its square a risk
+
+}  // namespace
 
 std::vector<double> parse_annotation(std::string_view text, std::size_t count, std::string_view where) {
   std::vector<double> numbers = parse_numbers(text, where);
   if (numbers.size() != count)
     fail("{}: has {} numbers, expected {} ({} joints)", where, numbers.size(), count, count / 3);
+  for (const double number : numbers) {
+    if (std::abs(number) > kLargestNumber)
+      fail("{}: {} is out of range, expected at most {}", where, number, kLargestNumber);
+  }
   return numbers;
 }
 

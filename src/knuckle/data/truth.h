@@ -13,7 +13,7 @@
 namespace knuckle {
 
 /// Exactly `count` numbers from the text of an annotation; `nan` counts. Throws an Error that starts with
-/// `where` and says how many there are, or quotes what is not a number.
+/// `where` and says how many there are, quotes what is not a number, or names one beyond 1e9.
 std::vector<double> parse_annotation(std::string_view text, std::size_t count, std::string_view where);
 
 /// Joints from J x (u, v, d). A joint of which any value is not finite, or whose depth is not positive, is

@@ -12,8 +12,8 @@ namespace knuckle {
 namespace {
 
 // A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
-// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another, and
-// each number read serves several of them.
+// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another,
+// and each number read serves several of them.
 constexpr int kPixelsPerBlock = kLanes == 16 ? 12 : 6;
 constexpr int kVectorsPerBlock = 2;
 constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;

@@ -22,16 +22,20 @@ LineIndex::LineIndex(std::filesystem::path path) : path_(std::move(path)) {
   std::vector<char> block(kBlockBytes);
   std::uint64_t offset = 0;
   std::uint64_t line_start = 0;
+  std::uint32_t number = 1;
   bool is_undecided = true;  // of this line only blanks were seen
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
     const char* const end = block.data() + file.gcount();
     for (const char* c = block.data(); c != end; ++c, ++offset) {
       if (*c == '\n') {
         line_start = offset + 1;
+        ++number;
         is_undecided = true;
       } else if (is_undecided && !is_blank(*c)) {
         is_undecided = false;
-        if (*c != '#') starts_.push_back(line_start);
+        if (*c == '#') continue;
+        starts_.push_back(line_start);
+        numbers_.push_back(number);
       }
     }
   }
@@ -46,13 +50,13 @@ std::string LineIndex::line(std::int64_t index) const {
   if (start > 0) file.seekg(static_cast<std::streamoff>(start - 1));
   std::string text;
   if ((start > 0 && file.get() != '\n') || !std::getline(file, text))
-    fail("{}: entry {} cannot be read; the file was changed while it was read", path_.string(), index + 1);
+    fail("{}: cannot be read; the file was changed while it was read", where(index));
   if (text.ends_with('\r')) text.pop_back();
   return text;
 }
 
 std::string LineIndex::where(std::int64_t index) const {
-  return fmt::format("{}, entry {}", path_.string(), index + 1);
+  return fmt::format("{}:{}", path_.string(), numbers_.at(static_cast<std::size_t>(index)));
 }
 
 }  // namespace knuckle

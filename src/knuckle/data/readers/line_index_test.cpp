@@ -19,6 +19,8 @@ TEST(LineIndex, FindsEveryLineAndSkipsBlanksAndRemarks) {
   EXPECT_EQ(lines.line(0), "1 2");
   EXPECT_EQ(lines.line(1), "  3 4");
   EXPECT_EQ(lines.line(2), "5");
+  EXPECT_THAT(lines.where(1), HasSubstr("a.txt:5"));
+  EXPECT_THAT(lines.where(2), HasSubstr("a.txt:7"));
   EXPECT_THAT(error_of([&] { lines.line(3); }), HasSubstr("a.txt: has 3 entries, asked for entry 4"));
 }
 
@@ -43,10 +45,10 @@ TEST(LineIndex, NoticesThatTheFileWasChanged) {
   put_file(folder / "a.txt", "11\n22\n33\n");
   const LineIndex lines(folder / "a.txt");
   put_file(folder / "a.txt", "111\n22\n33\n");
-  EXPECT_THAT(error_of([&] { lines.line(1); }), HasSubstr("a.txt: entry 2 cannot be read"));
+  EXPECT_THAT(error_of([&] { lines.line(1); }), HasSubstr("a.txt:2: cannot be read"));
   put_file(folder / "a.txt", "11\n22\n");
   EXPECT_EQ(lines.line(1), "22");
-  EXPECT_THAT(error_of([&] { lines.line(2); }), HasSubstr("a.txt: entry 3 cannot be read"));
+  EXPECT_THAT(error_of([&] { lines.line(2); }), HasSubstr("a.txt:3: cannot be read"));
 }
 
 TEST(LineIndex, AnEmptyFileHasNoLines) {

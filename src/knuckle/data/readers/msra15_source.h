@@ -14,8 +14,8 @@ namespace knuckle {
 
 /// The MSRA 2015 hand set (Sun et al. 2015), 320x240: a folder per subject, in it one per gesture, in it
 /// `NNNNNN_depth.bin` (a cropped image) and `joint.txt` (the number of frames, then 63 numbers per frame).
-/// The path may be the set, a subject or a gesture; each gesture is a sequence. A gesture without joint.txt gives
-/// frames without truth.
+/// The path may be the set, a subject or a gesture; each gesture is a sequence. A gesture without joint.txt
+/// gives frames without truth.
 class Msra15Source final : public FrameSource {
  public:
   explicit Msra15Source(std::filesystem::path folder);

@@ -77,8 +77,7 @@ TEST(Icvl, NamesFileAndFaultOfBadLabels) {
     put_file(folder / "labels.txt", labels);
     return error_of([&] { IcvlSource(folder.path(), {}).read(0); });
   };
-  EXPECT_THAT(error_with("seq/image_0000.png 1 2 3\n"),
-              AllOf(HasSubstr("labels.txt, entry 1"), HasSubstr("48")));
+  EXPECT_THAT(error_with("seq/image_0000.png 1 2 3\n"), AllOf(HasSubstr("labels.txt:1"), HasSubstr("48")));
   EXPECT_THAT(error_with("seq/image_0000.png " + numbers_text(47, 1) + " x\n"), HasSubstr("'x'"));
   EXPECT_THAT(error_with("seq/image_0001.png " + numbers_text(48, 1)), HasSubstr("image_0001.png"));
   EXPECT_THAT(error_with(numbers_text(48, 1)), AllOf(HasSubstr("labels.txt"), HasSubstr(".png")));
@@ -122,7 +121,7 @@ TEST(Hands17, NamesFileAndFault) {
   EXPECT_THAT(error_of([&] { Hands17Source(folder.path(), {"other.txt"}); }), HasSubstr("other.txt"));
   put_file(folder / "short.txt", "image_D00000001.png\t" + numbers_text(62, 1, '\t'));
   EXPECT_THAT(error_of([&] { Hands17Source(folder.path(), {"short.txt"}).read(0); }),
-              AllOf(HasSubstr("short.txt, entry 1"), HasSubstr("62 numbers, expected 63")));
+              AllOf(HasSubstr("short.txt:1"), HasSubstr("62 numbers, expected 63")));
   testing::cut_file(folder / "images/image_D00000001.png", 200);
   EXPECT_THAT(error_of([&] { Hands17Source(folder.path(), {}).read(0); }), HasSubstr("image_D00000001.png"));
 }

@@ -292,10 +292,9 @@ TEST(Folder, RefusesJointsThatDoNotFit) {
   EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("joints.txt"), HasSubstr("3 lines")));
   put_file(folder / "joints.txt", line + "\n1 2 3\n");
   EXPECT_THAT(error_of_folder_set(folder.path(), 1),
-              AllOf(HasSubstr("joints.txt, entry 2"), HasSubstr("expected 60")));
+              AllOf(HasSubstr("joints.txt:2"), HasSubstr("expected 60")));
   put_file(folder / "joints.txt", line + "\n" + line + "x\n");
-  EXPECT_THAT(error_of_folder_set(folder.path(), 1),
-              AllOf(HasSubstr("joints.txt, entry 2"), HasSubstr("'60x'")));
+  EXPECT_THAT(error_of_folder_set(folder.path(), 1), AllOf(HasSubstr("joints.txt:2"), HasSubstr("'60x'")));
   put_set(folder.path(), kDescription.substr(kDescription.find('[')));
   EXPECT_THAT(error_of_folder_set(folder.path()), AllOf(HasSubstr("dataset.toml"), HasSubstr("convention")));
 }

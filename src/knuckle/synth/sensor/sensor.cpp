@@ -74,7 +74,8 @@ std::optional<SensorFault> fault_of(const SensorOptions& options, const Camera& 
     return SensorFault{"baseline_mm", "is not 0, but structured light needs a projective camera"};
   }
   if (light.disparity_px > 0.0 && light.baseline_mm == 0.0) {
-    return SensorFault{"disparity_px", "is not 0, but baseline_mm is: without a baseline there is no disparity"};
+    return SensorFault{"disparity_px",
+                       "is not 0, but baseline_mm is: without a baseline there is no disparity"};
   }
   if (options.infrared.infrared_sigma > 0.0 && options.infrared.infrared == 0.0) {
     return SensorFault{"infrared_sigma", "is not 0, but infrared is: there is no image to be noisy"};
