@@ -46,6 +46,29 @@ TEST(Deflate, ZlibReadsWhatItMakes) {
   }
 }
 
+TEST(Deflate, ZlibReadsRunsOfEveryLength) {
+  for (const std::size_t gap : {1, 2, 40}) {
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t run = 1; run < 600; ++run) {
+      bytes.insert(bytes.end(), gap, static_cast<std::uint8_t>(run));
+      bytes.insert(bytes.end(), run, static_cast<std::uint8_t>(run / 256));
+    }
+    EXPECT_EQ(inflated(deflated(bytes), bytes.size()), bytes) << gap;
+  }
+}
+
+TEST(Deflate, ZlibReadsAHandBeforeNothing) {
+  Random random(11);
+  std::vector<std::uint8_t> bytes(153600, 0);  // an image of 320 x 240, its bytes of two kinds apart
+  for (std::size_t row = 60; row < 180; ++row) {
+    for (std::size_t column = 100; column < 160; ++column) {
+      bytes[row * 320 + column] = static_cast<std::uint8_t>(random.below(1 + random.below(256)));
+      bytes[76800 + row * 320 + column] = static_cast<std::uint8_t>(2 + random.below(2));
+    }
+  }
+  EXPECT_EQ(inflated(deflated(bytes), bytes.size()), bytes);
+}
+
 TEST(Deflate, MakesPlainAreasSmallAndNoiseHardlyLarger) {
   EXPECT_LT(deflated(std::vector<std::uint8_t>(100000, 7)).size(), 200u);
   Random random(9);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "knuckle/core/empty_blocks.h"
 #include "knuckle/data/readers/image_io.h"
 
 namespace knuckle {
@@ -20,21 +21,23 @@ Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_m
 
 Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where) {
   constexpr double kHighest = std::numeric_limits<std::uint16_t>::max();
-  float deepest = 0.0f;
-  for (const float depth : depth_mm.pixels()) deepest = depth > deepest ? depth : deepest;
-  if (!(deepest / unit_mm + 0.5 < kHighest + 1)) {
-    fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, deepest,
-         kHighest * unit_mm, unit_mm);
-  }
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
   const float* from = depth_mm.data();
   std::uint16_t* to = counts.data();
-  // No way out of the loop, and no call in it: the compiler takes many pixels at once.
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const double depth = from[i] > 0.0f ? from[i] : 0.0f;
-    const double half_above = depth / unit_mm + 0.5;  // is cut off to the nearest count
-    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(half_above));
-  }
+  for_each_seen_block(from, counts.size(), [&](std::size_t first, std::size_t end) {
+    float deepest = 0.0f;
+    for (std::size_t i = first; i < end; ++i) deepest = from[i] > deepest ? from[i] : deepest;
+    if (!(deepest / unit_mm + 0.5 < kHighest + 1)) {
+      fail("{}: a depth of {} mm exceeds the {} mm that 16 bits hold in units of {} mm", where, deepest,
+           kHighest * unit_mm, unit_mm);
+    }
+    // No way out of the loop, and no call in it: the compiler takes many pixels at once.
+    for (std::size_t i = first; i < end; ++i) {
+      const double depth = from[i] > 0.0f ? from[i] : 0.0f;
+      const double half_above = depth / unit_mm + 0.5;  // is cut off to the nearest count
+      to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(half_above));
+    }
+  });
   return counts;
 }
 

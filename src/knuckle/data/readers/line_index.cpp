@@ -56,7 +56,8 @@ std::string LineIndex::line(std::int64_t index) const {
 }
 
 std::string LineIndex::where(std::int64_t index) const {
-  return fmt::format("{}:{}", path_.string(), numbers_.at(static_cast<std::size_t>(index)));
+  if (index < 0 || index >= size()) return path_.string();
+  return fmt::format("{}:{}", path_.string(), numbers_[static_cast<std::size_t>(index)]);
 }
 
 }  // namespace knuckle

@@ -20,7 +20,8 @@ class LineIndex {
 
   /// Line `index` in [0, size) without its end.
   std::string line(std::int64_t index) const;
-  /// "file:12", the line in the file counted from 1, for messages about its content.
+  /// "file:12", the line in the file counted from 1, for messages about its content; "file" where it has no
+  /// such line.
   std::string where(std::int64_t index) const;
 
  private:

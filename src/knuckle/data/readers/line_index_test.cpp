@@ -21,6 +21,7 @@ TEST(LineIndex, FindsEveryLineAndSkipsBlanksAndRemarks) {
   EXPECT_EQ(lines.line(2), "5");
   EXPECT_THAT(lines.where(1), HasSubstr("a.txt:5"));
   EXPECT_THAT(lines.where(2), HasSubstr("a.txt:7"));
+  EXPECT_THAT(lines.where(3), ::testing::EndsWith("a.txt"));
   EXPECT_THAT(error_of([&] { lines.line(3); }), HasSubstr("a.txt: has 3 entries, asked for entry 4"));
 }
 

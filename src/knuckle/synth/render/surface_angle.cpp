@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/empty_blocks.h"
 
 namespace knuckle {
 namespace {
@@ -72,11 +73,14 @@ Image<float> surface_cosines(const Rendering& rendering, const TriangleMesh& mes
   Image<float> cosines = shares_of_faces(rendering, mesh, camera.model);
   const Image<float> squares = squared_ray_lengths(camera);
   const bool is_orthographic = camera.model == CameraModel::orthographic;
-  for (std::size_t i = 0; i < cosines.size(); ++i) {
-    const float depth = rendering.depth_mm.data()[i];
-    const float length = is_orthographic || depth == 0.0f ? 1.0f : depth * std::sqrt(squares.data()[i]);
-    cosines.data()[i] = std::min(cosines.data()[i] / length, 1.0f);
-  }
+  const float* depths = rendering.depth_mm.data();
+  for_each_seen_block(depths, cosines.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const float length =
+          is_orthographic || depths[i] == 0.0f ? 1.0f : depths[i] * std::sqrt(squares.data()[i]);
+      cosines.data()[i] = std::min(cosines.data()[i] / length, 1.0f);
+    }
+  });
   return cosines;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "knuckle/core/empty_blocks.h"
 #include "knuckle/core/portable_math.h"
 #include "knuckle/synth/sensor/pixel_random.h"
 
@@ -25,7 +26,7 @@ void drop_holes(Image<float>& depth_mm, double share, std::uint64_t seed) {
   for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsPerBlock) {
     float* depths = depth_mm.data() + first;
     const std::size_t count = std::min(kPixelsPerBlock, depth_mm.size() - first);
-    if (std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; })) continue;
+    if (all_zero(depths, count)) continue;
     const auto bits = block_bits(seed, PixelUse::hole, static_cast<std::uint32_t>(first / kPixelsPerBlock));
     for (std::size_t i = 0; i < count; ++i) depths[i] = bits[i] < below ? 0.0f : depths[i];
   }

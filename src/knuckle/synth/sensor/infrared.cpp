@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "knuckle/core/empty_blocks.h"
 #include "knuckle/synth/render/surface_angle.h"
 #include "knuckle/synth/sensor/pixel_random.h"
 
@@ -18,13 +19,17 @@ Image<float> amplitudes_of(const Image<float>& depth_mm, const Image<float>& cos
                            double amplitude_at_1_m) {
   constexpr double kSquareMillimetres = 1e6;  ///< in a square metre
   const auto gain = static_cast<float>(amplitude_at_1_m * kSquareMillimetres);
-  Image<float> amplitudes = squared_ray_lengths(camera);
-  for (std::size_t i = 0; i < amplitudes.size(); ++i) {
-    const float depth = depth_mm.data()[i];
-    const float squared_distance = depth * depth * amplitudes.data()[i];
-    amplitudes.data()[i] = depth == 0.0f ? 0.0f : gain / squared_distance;
-  }
-  for (std::size_t i = 0; i < cosines.size(); ++i) amplitudes.data()[i] *= cosines.data()[i];
+  const Image<float> squares = squared_ray_lengths(camera);
+  Image<float> amplitudes(depth_mm.width(), depth_mm.height());
+  for_each_seen_block(depth_mm.data(), depth_mm.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const float depth = depth_mm.data()[i];
+      const float squared_distance = depth * depth * squares.data()[i];
+      amplitudes.data()[i] = depth == 0.0f ? 0.0f : gain / squared_distance;
+    }
+    if (cosines.empty()) return;
+    for (std::size_t i = first; i < end; ++i) amplitudes.data()[i] *= cosines.data()[i];
+  });
   return amplitudes;
 }
 
@@ -32,7 +37,7 @@ void add_noise(Image<float>& amplitudes, const Image<float>& depth_mm, float sig
   for (std::size_t first = 0; first < amplitudes.size(); first += kPixelsPerBlock) {
     const float* depths = depth_mm.data() + first;
     const std::size_t count = std::min(kPixelsPerBlock, amplitudes.size() - first);
-    if (std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; })) continue;
+    if (all_zero(depths, count)) continue;
     const auto normals =
         block_normals(seed, PixelUse::infrared, static_cast<std::uint32_t>(first / kPixelsPerBlock));
     for (std::size_t i = 0; i < count; ++i) {
@@ -56,10 +61,12 @@ Image<std::uint16_t> infrared_image(const Image<float>& depth_mm, const Image<fl
     add_noise(amplitudes, depth_mm, static_cast<float>(options.infrared_sigma), seed);
   }
   Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const float amplitude = std::min(std::max(amplitudes.data()[i], 0.0f), kMostCounts);
-    counts.data()[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(std::nearbyint(amplitude)));
-  }
+  for_each_seen_block(depth_mm.data(), counts.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const float amplitude = std::min(std::max(amplitudes.data()[i], 0.0f), kMostCounts);
+      counts.data()[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(std::nearbyint(amplitude)));
+    }
+  });
   return counts;
 }
 

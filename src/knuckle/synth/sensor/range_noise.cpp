@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "knuckle/core/empty_blocks.h"
 #include "knuckle/core/portable_math.h"
 #include "knuckle/synth/sensor/pixel_random.h"
 
@@ -23,7 +24,7 @@ double growth_with_angle(double cosine) {
   return ratio * ratio;
 }
 
-/// The same from a table over the cosine: an arc cosine a pixel would cost more than all the rest.
+/// The same from a table over the cosine: an arc cosine per pixel would cost more than all the rest.
 class AngleTable {
  public:
   AngleTable() {
@@ -68,15 +69,11 @@ class SigmaOf {
   const AngleTable& angle_growth_;
 };
 
-bool all_unseen(const float* depths, std::size_t count) {
-  return std::all_of(depths, depths + count, [](float depth) { return depth == 0.0f; });
-}
-
 void add_noise_of_pixels(Image<float>& depth_mm, const SigmaOf& sigma_of, std::uint64_t seed) {
   for (std::size_t first = 0; first < depth_mm.size(); first += kPixelsPerBlock) {
     float* depths = depth_mm.data() + first;
     const std::size_t count = std::min(kPixelsPerBlock, depth_mm.size() - first);
-    if (all_unseen(depths, count)) continue;
+    if (all_zero(depths, count)) continue;
     const auto block = static_cast<std::uint32_t>(first / kPixelsPerBlock);
     const auto normals = block_normals(seed, PixelUse::range_noise, block);
     for (std::size_t i = 0; i < count; ++i) {
@@ -157,7 +154,7 @@ void add_noise_of_grains(Image<float>& depth_mm, const SigmaOf& sigma_of, int gr
   GrainRows grains(depth_mm.width(), grain_px, seed);
   for (int row = 0; row < depth_mm.height(); ++row) {
     float* depths = depth_mm.row(row).data();
-    if (all_unseen(depths, depth_mm.width())) continue;
+    if (all_zero(depths, static_cast<std::size_t>(depth_mm.width()))) continue;
     const float* normals = grains.row(row);
     const std::size_t first = static_cast<std::size_t>(row) * depth_mm.width();
     for (int i = 0; i < depth_mm.width(); ++i) {
