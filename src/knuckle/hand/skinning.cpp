@@ -134,6 +134,19 @@ void repose_hand(std::vector<Eigen::Vector3f>& vertices, const ShapedBody& perso
   }
 }
 
+/// `above` after x -> rotation x + moved: the product of two 4 x 4 matrices whose last rows are (0, 0, 0, 1).
+Eigen::Matrix4f turned(const Eigen::Matrix4f& above, const Eigen::Matrix3f& rotation,
+                       const Eigen::Vector3f& moved) {
+  const auto x = above.col(0).head<3>();
+  const auto y = above.col(1).head<3>();
+  const auto z = above.col(2).head<3>();
+  Eigen::Matrix4f result = Eigen::Matrix4f::Identity();
+  for (int i = 0; i < 3; ++i)
+    result.col(i).head<3>() = (x * rotation(0, i) + y * rotation(1, i)) + z * rotation(2, i);
+  result.col(3).head<3>() = (x * moved.x() + y * moved.y()) + (z * moved.z() + above.col(3).head<3>());
+  return result;
+}
+
 }  // namespace
 
 Eigen::Vector3d group_mean(const VertexGroup& group, const std::vector<Eigen::Vector3f>& vertices) {
@@ -184,11 +197,9 @@ std::vector<Eigen::Matrix4f> bone_transforms(const ShapedBody& person, const Bod
   for (std::size_t i = 0; i < transforms.size(); ++i) {
     const std::int32_t parent = body.parents[i];
     const Eigen::Matrix4f& above = parent < 0 ? pose.camera_from_body.matrix() : transforms[parent];
-    Eigen::Matrix4f turn = Eigen::Matrix4f::Identity();  // x -> rotation (x - head) + head
     const Eigen::Matrix3f rotation = pose.rotations[i].toRotationMatrix();
-    turn.topLeftCorner<3, 3>() = rotation;
-    turn.topRightCorner<3, 1>() = person.joints[i] - rotation * person.joints[i];
-    transforms[i] = above * turn;
+    const Eigen::Vector3f moved = person.joints[i] - rotation * person.joints[i];
+    transforms[i] = turned(above, rotation, moved);  // x -> rotation (x - head) + head comes first
   }
   return transforms;
 }
