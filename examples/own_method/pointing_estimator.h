@@ -9,16 +9,17 @@ namespace own {
 class PointingEstimator final : public knuckle::Estimator {
  public:
   knuckle::Convention convention() const override { return {"pointing2", kLandmarks}; }
-  const knuckle::PatchStatistics& patch_statistics() const override { return statistics_; }
+  const knuckle::PatchExtractor& patches() const override { return patches_; }
 
   /// u and v run from -1 to 1 over the patch, d counts deviations from the hand's mean depth.
   knuckle::PatchPose estimate(const knuckle::HandPatch& patch) const override {
-    const double last = statistics_.size_px - 1;
+    const int size = patch.pixels.width();
+    const double last = size - 1;
     knuckle::PatchPoint palm{0.0, 0.0, 0.0};
     knuckle::PatchPoint tip{0.0, 0.0, knuckle::kPatchBackground};
     int count = 0;
-    for (int row = 0; row < statistics_.size_px; ++row) {
-      for (int column = 0; column < statistics_.size_px; ++column) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
         const double d = patch.pixels(column, row);
         if (d >= knuckle::kPatchBackground) continue;  // not hand
         const knuckle::PatchPoint point{2.0 * column / last - 1.0, 2.0 * row / last - 1.0, d};
@@ -32,7 +33,7 @@ class PointingEstimator final : public knuckle::Estimator {
 
  private:
   static constexpr knuckle::Landmark kLandmarks[] = {knuckle::Landmark::palm, knuckle::Landmark::index_tip};
-  knuckle::PatchStatistics statistics_{.size_px = 64, .mean = {}, .whitening = {}};  // no mean is subtracted
+  knuckle::PatchExtractor patches_{{.size_px = 64}};
 };
 
 }  // namespace own

@@ -13,6 +13,18 @@ bool HandPose::is_missing() const {
   return std::ranges::all_of(joints, &ImagePoint::is_missing);
 }
 
+ImagePoint mean_joint(const HandPose& pose) {
+  ImagePoint sum{0.0, 0.0, 0.0};
+  int count = 0;
+  for (const ImagePoint& joint : pose.joints) {
+    if (joint.is_missing()) continue;
+    sum = {sum.u + joint.u, sum.v + joint.v, sum.depth_mm + joint.depth_mm};
+    ++count;
+  }
+  if (count == 0) return {};
+  return {sum.u / count, sum.v / count, sum.depth_mm / count};
+}
+
 HandPose converted(const HandPose& pose, const Convention& target) {
   HandPose result = HandPose::missing(target);
   if (!pose.confidence.empty()) result.confidence.assign(target.landmarks.size(), 0.0f);

@@ -39,6 +39,9 @@ struct HandPose {
   bool is_missing() const;
 };
 
+/// The mean of the joints that are known, in the image; missing where none is.
+ImagePoint mean_joint(const HandPose& pose);
+
 /// The same pose in another convention: shared landmarks are kept, those the source lacks are missing.
 HandPose converted(const HandPose& pose, const Convention& target);
 

@@ -72,7 +72,7 @@ void check(const Estimator& estimator, const Expectations& expected, const Optio
     table.fail_at("convention", fmt::format("\"{}\" is asked for, but the model predicts \"{}\"",
                                             expected.convention, convention));
   }
-  const int size = estimator.patch_statistics().size_px;
+  const int size = estimator.patches().options().size_px;
   if (expected.patch_size_px != 0 && size != expected.patch_size_px) {
     table.fail_at("patch_size_px",
                   fmt::format("{} is asked for, but the model was trained on patches of {} x {}",

@@ -39,7 +39,7 @@ const std::string kForest = "method = \"forest\"\nmodel = \"models/small.h5\"\n"
 
 TEST_F(CreateEstimator, FindsTheModelBesideTheFile) {
   EXPECT_EQ(create(kForest)->convention().name, "nyu14");
-  EXPECT_EQ(create(kForest + "convention = \"nyu14\"\npatch_size_px = 12")->patch_statistics().size_px, 12);
+  EXPECT_EQ(create(kForest + "convention = \"nyu14\"\npatch_size_px = 12")->patches().options().size_px, 12);
   EXPECT_NE(std::ranges::find(estimator_names(), "forest"), estimator_names().end());
 }
 

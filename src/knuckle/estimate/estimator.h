@@ -6,7 +6,6 @@
 #include "knuckle/core/landmarks.h"
 #include "knuckle/patch/hand_patch.h"
 #include "knuckle/patch/patch_extractor.h"
-#include "knuckle/patch/patch_statistics.h"
 
 namespace knuckle {
 
@@ -23,17 +22,15 @@ class Estimator {
 
   /// What the model predicts.
   virtual Convention convention() const = 0;
-  /// What the model was trained on: the patch's size and the statistics subtracted from it.
-  virtual const PatchStatistics& patch_statistics() const = 0;
-  /// How the patches that it was trained on are made.
-  virtual PatchOptions patch_options() const { return {.size_px = patch_statistics().size_px}; }
+  /// Makes patches as those that the model was trained on: all that it wants of them is said there.
+  virtual const PatchExtractor& patches() const = 0;
   /// How often a hand is looked at, at least 1: each time but the first around the mean of the joints that
   /// were found (patches of the mode "cube" only).
   virtual int passes() const { return 1; }
   /// The mean confidence of its joints from which on a pose may be taken for that of a hand, [0, 1]; 0 where
   /// the confidences do not tell hands from other things.
   virtual double sure_confidence() const { return 0.0; }
-  /// `patch` has the size and statistics above. Safe to call from many threads.
+  /// `patch` is made by patches(). Safe to call from many threads.
   virtual PatchPose estimate(const HandPatch& patch) const = 0;
 };
 

@@ -8,9 +8,9 @@ namespace knuckle {
 NetworkEstimator::NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options)
     : network_(std::move(network)),
       options_(options),
-      convention_(convention_from_name(network_.options().convention)) {
+      convention_(convention_from_name(network_.options().convention)),
+      patches_(network_.options().patch) {
   check_options(options_, "network estimator");
-  statistics_.size_px = network_.options().patch.size_px;
 }
 
 double NetworkEstimator::sure_confidence() const {

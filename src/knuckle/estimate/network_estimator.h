@@ -24,8 +24,7 @@ class NetworkEstimator final : public Estimator {
   NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options);
 
   Convention convention() const override { return convention_; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
-  PatchOptions patch_options() const override { return network_.options().patch; }
+  const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return options_.passes; }
   /// Of `dense`: hands have 0.50 and more, other things 0.36 and less, nearly all (docs/results.md).
   double sure_confidence() const override;
@@ -36,7 +35,7 @@ class NetworkEstimator final : public Estimator {
   PoseNetwork network_;
   NetworkEstimatorOptions options_;
   Convention convention_;
-  PatchStatistics statistics_;
+  PatchExtractor patches_;
 };
 
 }  // namespace knuckle

@@ -42,8 +42,8 @@ TEST_P(EveryNetwork, SaysAsAnEstimatorWhatItSaysAsANetwork) {
   const NetworkPrediction expected = PoseNetwork(network(), 3).predict(patch.pixels);
   const NetworkEstimator estimator(PoseNetwork(network(), 3), {});
   EXPECT_EQ(estimator.convention().name, "nyu14");
-  EXPECT_EQ(estimator.patch_options(), small_network().patch);
-  EXPECT_EQ(estimator.patch_statistics().size_px, 32);
+  EXPECT_EQ(estimator.patches().options(), small_network().patch);
+  EXPECT_EQ(estimator.patches().options().size_px, 32);
   EXPECT_EQ(estimator.passes(), 2);
   const PatchPose pose = estimator.estimate(patch);
   ASSERT_EQ(pose.joints.size(), 14u);

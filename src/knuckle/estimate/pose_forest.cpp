@@ -52,6 +52,11 @@ void check(const PoseForestModel& model, const std::string& origin) {
   if (!model.statistics.whitening.empty()) fail("{}: a pose forest takes no whitening", origin);
 }
 
+PoseForestModel checked(PoseForestModel model) {
+  check(model, "pose forest");
+  return model;
+}
+
 /// A small whole number of a file's attribute.
 int integer_attribute(const Hdf5File& file, std::string_view name) {
   const double value = file.number_attribute(name);
@@ -141,9 +146,9 @@ PoseForestModel pruned(const PoseForestModel& model, std::size_t most_leaves) {
   return {model.convention, model.statistics, model.forest.pruned(most_leaves, target_scale(model))};
 }
 
-PoseForestEstimator::PoseForestEstimator(PoseForestModel model) : model_(std::move(model)) {
-  check(model_, "pose forest");
-}
+PoseForestEstimator::PoseForestEstimator(PoseForestModel model)
+    : model_(checked(std::move(model))),
+      patches_({.size_px = model_.statistics.size_px}, model_.statistics) {}
 
 PatchPose PoseForestEstimator::estimate(const HandPatch& patch) const {
   const int size = model_.statistics.size_px;

@@ -46,12 +46,13 @@ class PoseForestEstimator final : public Estimator {
   explicit PoseForestEstimator(PoseForestModel model);
 
   Convention convention() const override { return model_.convention; }
-  const PatchStatistics& patch_statistics() const override { return model_.statistics; }
+  const PatchExtractor& patches() const override { return patches_; }
   /// Throws an Error where the patch has another size or a pixel is not finite.
   PatchPose estimate(const HandPatch& patch) const override;
 
  private:
   PoseForestModel model_;
+  PatchExtractor patches_;
 };
 
 }  // namespace knuckle

@@ -91,7 +91,7 @@ TEST(PoseForestModel, SavedAndLoadedAnswersTheSame) {
   const PoseForestEstimator before(model);
   const PoseForestEstimator after(load_pose_forest(folder / "m.h5"));
   EXPECT_EQ(after.convention(), convention());
-  EXPECT_EQ(after.patch_statistics().mean, model.statistics.mean);
+  EXPECT_EQ(after.patches().statistics().mean, model.statistics.mean);
   for (std::uint64_t i = 5000; i < 5050; ++i) {
     const HandPatch patch = made_up_hand(i, convention()).first;
     const PatchPose a = before.estimate(patch);

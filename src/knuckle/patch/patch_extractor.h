@@ -54,6 +54,7 @@ class PatchExtractor {
   /// A patch around another centre than the region's: for a second look (mode "cube" only, else an Error).
   std::optional<HandPatch> extract_around(const Frame& frame, const ImagePoint& centre) const;
 
+  const PatchOptions& options() const { return options_; }
   const PatchStatistics& statistics() const { return statistics_; }
 
  private:

@@ -31,7 +31,7 @@ auto timed(double& total_ms, const Work& work) {
 
 /// What the file says of patches must be what the model was trained on.
 void check_patch_options(const OptionTable& document, const Estimator& estimator) {
-  const PatchOptions trained = estimator.patch_options();
+  const PatchOptions& trained = estimator.patches().options();
   PatchOptions options = trained;
   const OptionTable table = document.table("patch");
   table.read(options);
@@ -56,18 +56,6 @@ PipelineParts parts_from(const OptionTable& document) {
   check_patch_options(document, *parts.estimator);
   for (const OptionTable& table : document.tables("refine")) parts.refiners.push_back(create_refiner(table));
   return parts;
-}
-
-/// The mean of the joints that are known; missing where none is.
-ImagePoint mean_joint(const HandPose& pose) {
-  ImagePoint sum{0.0, 0.0, 0.0};
-  int count = 0;
-  for (const ImagePoint& joint : pose.joints) {
-    if (joint.is_missing()) continue;
-    sum = {sum.u + joint.u, sum.v + joint.v, sum.depth_mm + joint.depth_mm};
-    ++count;
-  }
-  return {sum.u / count, sum.v / count, sum.depth_mm / count};
 }
 
 /// The mean of a pose's confidences; 1 where the method gives none, and so no reason to doubt.
@@ -109,7 +97,6 @@ Pipeline::Pipeline(PipelineParts parts)
   if (!std::ranges::all_of(refiners_, [](const auto& refiner) { return refiner != nullptr; })) {
     fail("one of the pipeline's refiners is missing");
   }
-  extractor_ = std::make_unique<PatchExtractor>(estimator_->patch_options(), estimator_->patch_statistics());
 }
 
 Pipeline Pipeline::load(const std::filesystem::path& path) {
@@ -179,7 +166,7 @@ void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, Fr
 /// the start itself is looked at, and the surer pose is kept.
 void Pipeline::look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand,
                              StageTimes& times) const {
-  const PatchOptions patches = estimator_->patch_options();
+  const PatchOptions& patches = estimator_->patches().options();
   if (is_sure(hand) || !patches.is_cube()) return;
   auto other = hand_in(frame, region_in_cube(frame, start, patches.cube_mm), times);
   if (other && other->score > hand.score) hand = *std::move(other);
@@ -204,12 +191,12 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
 
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
                                               StageTimes& times) const {
-  auto patch = timed(times.patch_ms, [&] { return extractor_->extract(frame, region); });
+  auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
   HandPose pose = pose_in_patch(*patch, times);
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
     const ImagePoint centre = mean_joint(pose);
-    patch = timed(times.patch_ms, [&] { return extractor_->extract_around(frame, centre); });
+    patch = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
     if (!patch) break;
     pose = pose_in_patch(*patch, times);
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region.score); });
@@ -224,7 +211,7 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
 
 HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const {
   const Point3 place = Projection(frame.camera).to_camera(centre);
-  HandRegion region = region_in_cube(frame, place, estimator_->patch_options().cube_mm);
+  HandRegion region = region_in_cube(frame, place, estimator_->patches().options().cube_mm);
   region.score = score;
   return region;
 }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "knuckle/estimate/estimator.h"
-#include "knuckle/patch/patch_extractor.h"
 #include "knuckle/pipeline/hand_finder.h"
 #include "knuckle/refine/refiner.h"
 
@@ -101,7 +100,6 @@ class Pipeline {
   std::string resolved_options_;
   HandFinder finder_;
   std::unique_ptr<Estimator> estimator_;
-  std::unique_ptr<PatchExtractor> extractor_;
   std::vector<std::unique_ptr<Refiner>> refiners_;
 };
 

@@ -17,20 +17,6 @@ namespace {
 
 constexpr double kFarthestCentreMm = 80.0;
 
-/// The mean of the joints that are known, in the camera.
-std::optional<Point3> mean_joint(const Frame& frame, const HandPose& truth) {
-  const Projection projection(frame.camera);
-  Point3 sum = Point3::Zero();
-  int count = 0;
-  for (const ImagePoint& joint : truth.joints) {
-    if (joint.is_missing()) continue;
-    sum += projection.to_camera(joint);
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return sum / count;
-}
-
 class SampleCollector {
  public:
   SampleCollector(const FrameSource& source, const HandFinder& finder, const SampleOptions& options,
@@ -56,17 +42,18 @@ class SampleCollector {
     frame = as_right_hand(std::move(frame), finder_.hand());
     const HandPose truth =
         frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
-    const std::optional<Point3> middle = mean_joint(frame, truth);
-    const std::optional<Point3> centre = middle ? centre_of(frame, *middle) : std::nullopt;
+    const Projection projection(frame.camera);
+    const Point3 middle = projection.to_camera(mean_joint(truth));
+    const std::optional<Point3> centre = truth.is_missing() ? std::nullopt : centre_of(frame, middle);
     if (!centre) {
       ++without_hand_;
       return;
     }
-    if ((*centre - *middle).norm() > kFarthestCentreMm) {
+    if ((*centre - middle).norm() > kFarthestCentreMm) {
       ++off_centre_;
       return;
     }
-    const auto crop = extract_cube(frame, Projection(frame.camera).to_image(*centre), samples_.crop());
+    const auto crop = extract_cube(frame, projection.to_image(*centre), samples_.crop());
     if (!crop) {
       ++without_hand_;
       return;
