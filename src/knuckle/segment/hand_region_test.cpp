@@ -33,6 +33,26 @@ TEST(HandRegion, MirrorsBackToItself) {
   EXPECT_EQ(back.centre, region.centre);
 }
 
+TEST(HandRegion, AMirrorTurnsBoxMaskAndCentre) {
+  HandRegion region = region_of_pixels({1 * 10 + 0, 1 * 10 + 1, 2 * 10 + 0, 4 * 10 + 3}, 10);
+  region.centre = Point3(7.0, -3.0, 450.0);
+  region.score = 0.25;
+  const HandRegion mirror = mirrored(region, 10);
+  EXPECT_EQ(mirror.box, (Box{6, 1, 4, 4}));
+  EXPECT_THAT(mirror.mask.pixels(), ::testing::ElementsAre(0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0));
+  EXPECT_EQ(mirror.centre, Point3(-7.0, -3.0, 450.0));
+  EXPECT_EQ(mirror.score, 0.25);
+}
+
+TEST(RegionInCube, IsCutAtAllFourEndsOfTheImage) {
+  Frame frame;
+  frame.camera = {.width = 40, .height = 12, .fx = 50.0, .fy = 50.0, .cx = 20.0, .cy = 6.0};
+  frame.depth_mm = Image<float>(40, 12, 500.0f);
+  EXPECT_EQ(region_in_cube(frame, Point3(0.0, 0.0, 500.0), 1000.0).box, (Box{0, 0, 40, 12}));
+  EXPECT_EQ(region_in_cube(frame, Point3(150.0, 40.0, 500.0), 100.0).box, (Box{30, 5, 10, 7}));
+  EXPECT_EQ(region_in_cube(frame, Point3(-190.0, -50.0, 500.0), 100.0).box, (Box{0, 0, 6, 6}));
+}
+
 TEST(PixelArea, GrowsWithTheSquareOfTheDepthOfAProjectiveCamera) {
   Camera camera = testing::quarter_vga_camera();
   camera.fx = 200;

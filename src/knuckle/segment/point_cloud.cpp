@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/segment/point_cloud.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cstring>
-#include <limits>
+
+#include "knuckle/segment/depth_interval.h"
 
 namespace knuckle {
 namespace {
@@ -28,34 +27,6 @@ void cut_to(PointCloud& cloud, int count) {
   }
 }
 
-/// Numbers of the pixels with a depth in [low, high], in order.
-std::vector<std::int32_t> pixels_between(const Image<float>& depth_mm, float low, float high) {
-  // Most pixels are out of the interval, in long runs: eight flags at once say whether there is one to look
-  // at.
-  const std::size_t size = depth_mm.size();
-  std::vector<std::uint8_t> flags((size + 7) / 8 * 8);
-  const float* const depth = depth_mm.data();
-  int count = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const int is_between = static_cast<int>(depth[i] >= low) & static_cast<int>(depth[i] <= high);
-    flags[i] = static_cast<std::uint8_t>(is_between);
-    count += is_between;
-  }
-  std::vector<std::int32_t> pixels(static_cast<std::size_t>(count) + 1);  // one more is written and dropped
-  std::int32_t* next = pixels.data();
-  for (std::size_t i = 0; i < flags.size(); i += 8) {
-    std::uint64_t eight_flags = 0;
-    std::memcpy(&eight_flags, &flags[i], sizeof(eight_flags));
-    if (eight_flags == 0) continue;
-    for (std::size_t k = i; k < i + 8; ++k) {
-      *next = static_cast<std::int32_t>(k);
-      next += flags[k];
-    }
-  }
-  pixels.pop_back();
-  return pixels;
-}
-
 /// Keeps each step-th pixel.
 void thin(std::vector<std::int32_t>& pixels, int step) {
   std::size_t count = 0;
@@ -68,9 +39,7 @@ void thin(std::vector<std::int32_t>& pixels, int step) {
 PointCloud points_around(const Image<float>& depth_mm, const RayTable& rays, const Point3& centre,
                          double radius_mm, int most) {
   assert(rays.rays_x().size() == depth_mm.size());
-  const auto low = std::max(static_cast<float>(centre.z() - radius_mm), std::numeric_limits<float>::min());
-  const auto high = std::min(static_cast<float>(centre.z() + radius_mm), std::numeric_limits<float>::max());
-  std::vector<std::int32_t> pixels = pixels_between(depth_mm, low, high);
+  std::vector<std::int32_t> pixels = pixels_between(depth_mm, centre.z() - radius_mm, centre.z() + radius_mm);
   const auto thinning = static_cast<int>((std::ssize(pixels) - 1) / most + 1);
   if (thinning > 1) thin(pixels, thinning);
 

@@ -8,6 +8,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/segment/components.h"
+#include "knuckle/segment/depth_interval.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/nearest_pixel.h"
 
@@ -17,17 +18,6 @@ namespace {
 constexpr int kMostCandidates = 20;  // speckles left out before giving up
 
 using PixelList = std::vector<std::int32_t>;
-
-/// The measured pixels with a depth in [near_mm, far_mm].
-PixelList pixels_between(const Image<float>& depth_mm, double near_mm, double far_mm) {
-  PixelList pixels;
-  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
-    const float depth = depth_mm.data()[i];
-    if (is_measured(depth) && depth >= near_mm && depth <= far_mm)
-      pixels.push_back(static_cast<std::int32_t>(i));
-  }
-  return pixels;
-}
 
 /// Parts the pixels of an image of that size into 8-connected components.
 std::vector<PixelList> connected_parts(const PixelList& pixels, int width, int height) {
