@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <ranges>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,11 +28,18 @@ constexpr std::array<std::string_view, size> names_of(const std::array<Row, size
   return names;
 }
 
+template <class Row>
+std::vector<std::string_view> names_of(const std::vector<Row>& rows) {
+  std::vector<std::string_view> names;
+  for (const Row& row : rows) names.push_back(row.name);
+  return names;
+}
+
 /// The row of that name; null where there is none.
-template <class Row, std::size_t size>
-constexpr const Row* row_named(const std::array<Row, size>& rows, std::string_view name) {
-  const auto row = std::ranges::find(rows, name, &Row::name);
-  return row == rows.end() ? nullptr : &*row;
+template <std::ranges::contiguous_range Rows>
+constexpr auto row_named(const Rows& rows, std::string_view name) {
+  const auto row = std::ranges::find(rows, name, &std::ranges::range_value_t<Rows>::name);
+  return row == std::ranges::end(rows) ? nullptr : &*row;
 }
 
 /// What to say where a name is in no row: the name, the nearest known one, and all of them. `what` says what

@@ -23,4 +23,18 @@ std::vector<DenseUnit> dense_units(const DenseNetworkOptions& options) {
   return units;
 }
 
+std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {
+  using enum NetworkArray::Precision;
+  std::vector<NetworkArray> arrays;
+  for (const DenseUnit& unit : dense_units(options.dense)) {
+    arrays.push_back(
+        {unit.name + ".convolution.weight", {unit.outputs, unit.inputs, unit.kernel, unit.kernel}, half});
+    add_norm(arrays, unit.name + ".norm", unit.outputs);
+  }
+  const int maps = kMapsPerJoint * options.joint_count();
+  arrays.push_back({"head.weight", {maps, options.dense.head_channels, 1, 1}, half});
+  arrays.push_back({"head.bias", {maps}, half});
+  return arrays;
+}
+
 }  // namespace knuckle

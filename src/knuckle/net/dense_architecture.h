@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/net/network_options.h"
+#include "knuckle/net/network_weights.h"
 
 namespace knuckle {
 
@@ -25,5 +25,8 @@ struct DenseUnit {
 
 /// All units of the architecture `dense` but the head, which has a bias and no norm.
 std::vector<DenseUnit> dense_units(const DenseNetworkOptions& options);
+
+/// Its arrays, as `network_arrays` has them.
+std::vector<NetworkArray> dense_arrays(const NetworkOptions& options);
 
 }  // namespace knuckle

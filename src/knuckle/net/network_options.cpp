@@ -3,20 +3,14 @@
 
 #include <array>
 
+#include "knuckle/net/network_architectures.h"
+
 namespace knuckle {
 namespace {
 
-constexpr std::array<std::string_view, 6> kArchitectures = {"dense",      "heatmap2d", "heatmap25d",
-                                                            "regression", "pca",       "autoencoder"};
 constexpr std::array<std::string_view, 2> kPeaks = {"gaussian", "mean_shift"};
-constexpr int kStride = 16;              // of the coarsest features, in all architectures
-constexpr int kSmallestPaperPatch = 32;  // on which the smallest bank still has a pixel left
 
 }  // namespace
-
-std::span<const std::string_view> network_architectures() {
-  return kArchitectures;
-}
 
 void DenseNetworkOptions::visit(OptionVisitor& visitor) {
   visitor.integer("stem_channels", stem_channels, closed(1, 1024));
@@ -42,13 +36,9 @@ void PaperNetworkOptions::visit(OptionVisitor& visitor) {
 }
 
 void NetworkOptions::visit(OptionVisitor& visitor) {
-  visitor.choice("architecture", architecture, kArchitectures);
+  visitor.choice("architecture", architecture, network_architectures());
   visitor.text("convention", convention);
-  if (architecture == "dense") {
-    dense.visit(visitor);
-  } else {
-    paper.visit(visitor);
-  }
+  architecture_of(*this).visit(*this, visitor);
 }
 
 void check(const NetworkOptions& options, std::string_view what) {
@@ -59,10 +49,10 @@ void check(const NetworkOptions& options, std::string_view what) {
   if (!options.patch.is_cube()) {
     fail("{}: the network \"{}\" sees patches of the mode \"cube\"", what, options.architecture);
   }
-  const int smallest = options.architecture == "dense" ? kStride : kSmallestPaperPatch;
-  if (size % kStride != 0 || size < smallest) {
+  const int smallest = architecture_of(options).smallest_patch_px;
+  if (size % kNetworkStride != 0 || size < smallest) {
     fail("{}: size_px is {}, expected a multiple of {}, at least {}, for the network \"{}\"", what, size,
-         kStride, smallest, options.architecture);
+         kNetworkStride, smallest, options.architecture);
   }
 }
 

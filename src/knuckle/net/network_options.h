@@ -11,6 +11,9 @@
 
 namespace knuckle {
 
+/// Patches' sizes are multiples of it: the stride of the coarsest features, in all architectures.
+inline constexpr int kNetworkStride = 16;
+
 /// Names of all architectures.
 std::span<const std::string_view> network_architectures();
 

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "knuckle/core/random.h"
-#include "knuckle/net/dense_architecture.h"
-#include "knuckle/net/paper_architecture.h"
+#include "knuckle/net/network_architectures.h"
 
 namespace knuckle {
 namespace {
@@ -17,58 +16,6 @@ namespace {
 using enum NetworkArray::Precision;
 
 constexpr double kLastDeviation = 0.01;  // of the last layer's weights
-
-void add_norm(std::vector<NetworkArray>& arrays, const std::string& name, int channels) {
-  arrays.push_back({name + ".weight", {channels}, half});
-  arrays.push_back({name + ".bias", {channels}, half});
-  arrays.push_back({name + ".running_mean", {channels}, single});
-  arrays.push_back({name + ".running_var", {channels}, single});
-}
-
-std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {
-  std::vector<NetworkArray> arrays;
-  for (const DenseUnit& unit : dense_units(options.dense)) {
-    arrays.push_back(
-        {unit.name + ".convolution.weight", {unit.outputs, unit.inputs, unit.kernel, unit.kernel}, half});
-    add_norm(arrays, unit.name + ".norm", unit.outputs);
-  }
-  const int maps = kMapsPerJoint * options.joint_count();
-  arrays.push_back({"head.weight", {maps, options.dense.head_channels, 1, 1}, half});
-  arrays.push_back({"head.bias", {maps}, half});
-  return arrays;
-}
-
-std::vector<NetworkArray> paper_arrays(const NetworkOptions& options) {
-  std::vector<NetworkArray> arrays;
-  const auto add = [&](const std::string& name, std::vector<int> shape) {
-    const int outputs = shape.front();
-    arrays.push_back({name + ".weight", std::move(shape), half});
-    arrays.push_back({name + ".bias", {outputs}, half});
-  };
-  int number = 0;
-  for (const auto& bank : kBankLayers) {
-    int inputs = 1;
-    int outputs = options.paper.first_maps;
-    for (const BankLayer& layer : bank) {
-      add("banks.convolution" + std::to_string(number++), {outputs, inputs, layer.kernel, layer.kernel});
-      inputs = outputs;
-      outputs = options.paper.second_maps;
-    }
-  }
-  int inputs = bank_feature_count(options.patch.size_px, options.paper.second_maps);
-  number = 0;
-  for (const ConnectedLayer& layer : connected_layers(options)) {
-    const std::string name = "layers.layer" + std::to_string(number++);
-    if (layer.has_norm()) {
-      arrays.push_back({name + ".linear.weight", {layer.units, inputs}, half});
-      add_norm(arrays, name + ".norm", layer.units);
-    } else {
-      add(name + ".linear", {layer.units, inputs});
-    }
-    inputs = layer.units;
-  }
-  return arrays;
-}
 
 /// Uniform numbers of this deviation.
 void fill_uniform(std::span<Half> weights, double deviation, Random random) {
@@ -84,7 +31,14 @@ std::int64_t NetworkArray::count() const {
 }
 
 std::vector<NetworkArray> network_arrays(const NetworkOptions& options) {
-  return options.architecture == "dense" ? dense_arrays(options) : paper_arrays(options);
+  return architecture_of(options).arrays(options);
+}
+
+void add_norm(std::vector<NetworkArray>& arrays, const std::string& name, int channels) {
+  arrays.push_back({name + ".weight", {channels}, half});
+  arrays.push_back({name + ".bias", {channels}, half});
+  arrays.push_back({name + ".running_mean", {channels}, single});
+  arrays.push_back({name + ".running_var", {channels}, single});
 }
 
 ArraySizes total_sizes(const std::vector<NetworkArray>& arrays) {

@@ -23,6 +23,9 @@ struct NetworkArray {
   std::int64_t count() const;
 };
 
+/// Adds the four arrays of a batch norm.
+void add_norm(std::vector<NetworkArray>& arrays, const std::string& name, int channels);
+
 /// All arrays of an architecture, in the order in which they are stored.
 std::vector<NetworkArray> network_arrays(const NetworkOptions& options);
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "knuckle/net/network_options.h"
+#include "knuckle/net/network_weights.h"
 
 namespace knuckle {
 
@@ -39,5 +39,8 @@ int depth_bins_per_joint(const NetworkOptions& options);
 
 /// The layers of one of the paper's five architectures.
 std::vector<ConnectedLayer> connected_layers(const NetworkOptions& options);
+
+/// Their arrays, as `network_arrays` has them.
+std::vector<NetworkArray> paper_arrays(const NetworkOptions& options);
 
 }  // namespace knuckle

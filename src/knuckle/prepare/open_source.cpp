@@ -4,37 +4,38 @@
 #include <algorithm>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/suggestion.h"
-#include "knuckle/core/text.h"
+#include "knuckle/core/named_table.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {
 namespace {
 
-constexpr std::string_view kSynthetic = "synthetic";
-
-std::unique_ptr<FrameSource> open_synthetic_frames(const SourceSpec& spec) {
+std::unique_ptr<FrameSource> open_manifest(const SourceSpec& spec) {
   require_no_settings(spec);
-  return select_frames(open_synthetic(spec.path), spec.selection, spec.text);
+  return open_synthetic(spec.path);
+}
+
+/// The data sets', and the generator's.
+std::vector<DatasetKind> all_kinds() {
+  std::vector<DatasetKind> kinds(dataset_kinds().begin(), dataset_kinds().end());
+  kinds.push_back({"synthetic", "frames rendered as a manifest says, as they are read", open_manifest});
+  return kinds;
 }
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_source(std::string_view text) {
   const SourceSpec spec = parse_source_spec(text);
-  if (spec.kind == kSynthetic) return open_synthetic_frames(spec);
-  if (!names_a_source(text)) {
-    fail("{}: unknown kind of source '{}'{}; known are {}", text, spec.kind,
-         suggestion(spec.kind, source_kinds()), joined(source_kinds()));
-  }
-  return open_dataset(spec);
+  const std::vector<DatasetKind> kinds = all_kinds();
+  const DatasetKind* const kind = row_named(kinds, spec.kind);
+  if (kind == nullptr) fail("{}: {}", text, unknown_name("kind of source", spec.kind, names_of(kinds)));
+  return open_frames(*kind, spec);
 }
 
 std::vector<std::string> source_kinds() {
   std::vector<std::string> kinds;
-  for (const DatasetKind& kind : dataset_kinds()) kinds.emplace_back(kind.name);
-  kinds.emplace_back(kSynthetic);
+  for (const DatasetKind& kind : all_kinds()) kinds.emplace_back(kind.name);
   return kinds;
 }
 

@@ -45,10 +45,14 @@ std::span<const DatasetKind> dataset_kinds() {
   return kKinds;
 }
 
+std::unique_ptr<FrameSource> open_frames(const DatasetKind& kind, const SourceSpec& spec) {
+  return select_frames(kind.open(spec), spec.selection, fmt::format("source '{}'", spec.text));
+}
+
 std::unique_ptr<FrameSource> open_dataset(const SourceSpec& spec) {
   const DatasetKind* const kind = row_named(kKinds, spec.kind);
   if (kind == nullptr) fail("source '{}': {}", spec.text, unknown_name("kind", spec.kind, names_of(kKinds)));
-  return select_frames(kind->open(spec), spec.selection, fmt::format("source '{}'", spec.text));
+  return open_frames(*kind, spec);
 }
 
 std::unique_ptr<FrameSource> open_dataset(std::string_view text) {

@@ -21,6 +21,9 @@ struct DatasetKind {
 /// All kinds of this module: folder, icg, icvl, nyu, msra15, hands17, h5. Layers above may know more.
 std::span<const DatasetKind> dataset_kinds();
 
+/// Opens the frames of that kind that `spec` selects.
+std::unique_ptr<FrameSource> open_frames(const DatasetKind& kind, const SourceSpec& spec);
+
 /// Opens the frames that `spec` selects. Throws an Error that lists the kinds where it is none of them, and
 /// whatever the reader finds wrong.
 std::unique_ptr<FrameSource> open_dataset(const SourceSpec& spec);
