@@ -61,9 +61,11 @@ FrameResult result_of(const FrameSource& source, std::int64_t index, const Pipel
   try {
     frame = source.read(index);
   } catch (const Error& error) {
-    const Camera camera = source.read_label(index).camera;
+    const FrameLabel label = source.read_label(index);
     FrameResult result = unreadable(index, error.what());
-    result.camera = camera;
+    result.name = label.name;
+    result.time_s = label.time_s;
+    result.camera = label.camera;
     return result;
   }
   return result_of(index, frame, pipeline, options);

@@ -19,7 +19,7 @@ class RunWarnings;
 /// masks of its hands (`HandRegion::mask` is empty).
 struct FrameResult {
   std::int64_t index = 0;        ///< in the source, or counted in the stream; from `RunOptions::first` on
-  std::string name;              ///< `Frame::name`; empty where the frame could not be read
+  std::string name;              ///< `Frame::name`; empty where a stream could not read the frame
   std::optional<double> time_s;  ///< `Frame::time_s` [s]
   Camera camera;                 ///< `Frame::camera`
   FrameEstimate estimate;        ///< no hand where the frame could not be read

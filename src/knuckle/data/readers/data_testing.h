@@ -86,6 +86,7 @@ inline void expect_labels_like_frames(const FrameSource& source) {
     EXPECT_EQ(label.camera, frame.camera) << "frame " << i;
     EXPECT_EQ(label.time_s, frame.time_s) << "frame " << i;
     EXPECT_EQ(label.sequence, frame.sequence) << "frame " << i;
+    EXPECT_EQ(label.name, frame.name) << "frame " << i;
     ASSERT_EQ(label.truth.has_value(), frame.truth.has_value()) << "frame " << i;
     if (frame.truth) expect_near(*label.truth, *frame.truth, 0.0, 0.0);
   }

@@ -133,18 +133,22 @@ std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
   return side_of(code, fmt::format("{}: frame {}", file_.path().string(), row));
 }
 
+std::string H5Source::name_of(std::int64_t index) const {
+  return fmt::format("{:08}", first_index_ + index);
+}
+
 FrameLabel H5Source::read_label(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
   const Camera camera = read_frame_camera(row);
   std::optional<HandPose> truth = read_truth(row, camera);
   require_unchanged();
-  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index)};
+  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index), name_of(index)};
 }
 
 Frame H5Source::read(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
   Frame frame;
-  frame.name = fmt::format("{:08}", first_index_ + index);
+  frame.name = name_of(index);
   frame.camera = read_frame_camera(row);
   Image<std::uint16_t> counts(camera_.width, camera_.height);
   file_.read_rows(kH5Depth, row, 1, counts.data());

@@ -29,6 +29,7 @@ class H5Source final : public FrameSource {
   Timeline read_timeline() const;
   void require_unchanged() const;
   std::uint64_t row_of(std::int64_t index) const;
+  std::string name_of(std::int64_t index) const;
   Camera read_frame_camera(std::uint64_t row) const;
   std::optional<HandSide> read_side(std::uint64_t row) const;
   std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;

@@ -31,7 +31,8 @@ std::optional<HandPose> LabelledImageSource::truth_of(const LabelledImages::Entr
 }
 
 FrameLabel LabelledImageSource::read_label(std::int64_t index) const {
-  return {format_.camera, truth_of(entry(index))};
+  const LabelledImages::Entry image = entry(index);
+  return {format_.camera, truth_of(image), std::nullopt, 0, without_extension(image.name)};
 }
 
 Frame LabelledImageSource::read(std::int64_t index) const {

@@ -113,10 +113,14 @@ std::optional<HandPose> Msra15Source::read_truth(const Gesture& gesture, const s
   return known_or_nothing(pose_from_camera(convention_from_name("msra21"), xyz, projection_));
 }
 
+std::string Msra15Source::name_of(const Entry& entry) const {
+  return gestures_[entry.gesture].folder + entry.name.substr(0, entry.name.size() - kSuffix.size());
+}
+
 FrameLabel Msra15Source::read_label(std::int64_t index) const {
   const Entry& entry = entries_.at(static_cast<std::size_t>(index));
   return {kMsra15Camera, read_truth(gestures_[entry.gesture], entry.name), std::nullopt,
-          static_cast<int>(entry.gesture)};
+          static_cast<int>(entry.gesture), name_of(entry)};
 }
 
 Frame Msra15Source::read(std::int64_t index) const {
@@ -124,7 +128,7 @@ Frame Msra15Source::read(std::int64_t index) const {
   const Gesture& gesture = gestures_[entry.gesture];
   const fs::path path = folder_ / gesture.folder / entry.name;
   Frame frame;
-  frame.name = gesture.folder + entry.name.substr(0, entry.name.size() - kSuffix.size());
+  frame.name = name_of(entry);
   frame.camera = kMsra15Camera;
   frame.depth_mm = read_msra15_depth(path);
   frame.truth = read_truth(gesture, entry.name);

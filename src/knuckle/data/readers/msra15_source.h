@@ -36,6 +36,7 @@ class Msra15Source final : public FrameSource {
   };
 
   void add(const std::string& path);
+  std::string name_of(const Entry& entry) const;
   std::optional<HandPose> read_truth(const Gesture& gesture, const std::string& name) const;
 
   std::filesystem::path folder_;

@@ -53,7 +53,8 @@ std::optional<HandPose> NyuSource::read_truth(const std::string& name) const {
 }
 
 FrameLabel NyuSource::read_label(std::int64_t index) const {
-  return {kNyuCamera, read_truth(names_.at(static_cast<std::size_t>(index)))};
+  const std::string& name = names_.at(static_cast<std::size_t>(index));
+  return {kNyuCamera, read_truth(name), std::nullopt, 0, without_extension(name)};
 }
 
 Frame NyuSource::read(std::int64_t index) const {
