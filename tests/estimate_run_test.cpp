@@ -231,6 +231,7 @@ TEST_F(BrokenFrameTest, OneUnreadableFrameLosesNoOther) {
   EXPECT_EQ(read_lines(path("run.txt")), expected);
   const auto record = Json::parse(read_lines(path("run.jsonl")).at(50));
   EXPECT_EQ(record["frame"], 50);
+  EXPECT_EQ(record["name"], fs::path(first).stem().string());
   EXPECT_THAT(record["hands"], IsEmpty());
   EXPECT_THAT(record["status"].get<std::string>(), HasSubstr(first));
   const auto summary = Json::parse(read_text_file(path("run.json")));
@@ -311,6 +312,112 @@ TEST_F(EstimateRunTest, AFullDiskIsOneLineForEveryOutputAndTheRunGoesOn) {
     fs::copy_file(on_disk, path(file), fs::copy_options::overwrite_existing);
     expect_same_outputs("run", "whole");
   }
+}
+
+/// Looks for two hands, and takes what is not sure for one, so that both poses files have something to say.
+class TwoHandsTest : public EstimateRunTest {
+ protected:
+  void SetUp() override {
+    EstimateRunTest::SetUp();
+    std::string pipeline = with(read_text_file(path("pipeline.toml")), "max_hands = 1", "max_hands = 2");
+    pipeline = with(pipeline, "sure_confidence = 0.45", "sure_confidence = 0.1");
+    write_text_file(path("pipeline.toml"), pipeline);
+    ASSERT_THAT(run_program(command("whole")), Succeeded());
+    ASSERT_THAT(read_lines(path("whole.hand2.txt")), Contains(Not(HasSubstr("nan"))).Times(::testing::Ge(3)))
+        << "a heading and some second hands";
+  }
+
+  void expect_same_hands(const std::string& name, const fs::path& folder) const {
+    for (const char* extension : {".txt", ".hand2.txt"}) {
+      EXPECT_TRUE(read_text_file(folder / (name + extension)) == read_text_file(path("whole") + extension))
+          << extension;
+    }
+  }
+};
+
+TEST_F(TwoHandsTest, KilledAndResumedBothFilesHaveTheBytesOfAnUndisturbedRun) {
+  for (const std::uintmax_t bytes : {0u, 15000u, 35000u}) {
+    const ProgramRun run = run_until(bytes, "run", SIGKILL, {"--resume"});
+    ASSERT_EQ(run.status, kKilled) << run.error;
+    EXPECT_FALSE(fs::exists(path("run.hand2.txt")));
+  }
+  fs::resize_file(path("run.hand2.txt.partial"), size_of(path("run.hand2.txt.partial")) - 333);
+  ASSERT_THAT(run_program(command("run", {"--resume"})), Succeeded());
+  expect_same_outputs("run", "whole");
+  expect_same_hands("run", folder_.path());
+}
+
+TEST_F(TwoHandsTest, ADiskThatFillsUpWhileTheSecondHandsFileGrowsIsOneLineAndTheRunGoesOn) {
+  const auto on_disk = [&](const std::vector<std::string>& more = {}) {
+    return changed(command("run", more), "--out", path("disk/run.txt"));
+  };
+  int second = 0;
+  for (const int kilobytes : {24, 28, 32, 36, 40, 44}) {
+    const SmallDisk disk(path("disk"));
+    if (!disk.mount(kilobytes)) GTEST_SKIP() << "no disk can be mounted here: " << std::strerror(errno);
+    const ProgramRun run = run_program(on_disk());
+    EXPECT_THAT(run, FailedWith("run.")) << kilobytes;
+    EXPECT_FALSE(fs::exists(path("disk/run.txt")) || fs::exists(path("disk/run.hand2.txt")));
+    if (run.error.find("run.hand2.txt.partial: cannot write: ") == std::string::npos) continue;
+    ++second;
+    ASSERT_TRUE(disk.resize(4096));
+    ASSERT_THAT(run_program(on_disk({"--resume"})), Succeeded());
+    expect_same_hands("run", path("disk"));
+  }
+  EXPECT_GE(second, 1) << "no disk was full for the second hand's file";
+}
+
+TEST_F(TwoHandsTest, ADiskThatIsFullForTheOptionsAloneIsOneLineAndTheRunGoesOn) {
+  const auto on_disk = [&](const std::vector<std::string>& more = {}) {
+    return changed(command("run", more), "--out", path("disk/run.txt"));
+  };
+  constexpr std::uintmax_t kPage = 4096;
+  std::uintmax_t pages = 0;  // that all other files take
+  {
+    const SmallDisk disk(path("disk"));
+    if (!disk.mount(4096)) GTEST_SKIP() << "no disk can be mounted here: " << std::strerror(errno);
+    make_folder(path("disk/run.txt.options.toml/in the way"));
+    ASSERT_THAT(run_program(on_disk()), FailedWith("run.txt.options.toml: cannot write: "));
+    for (const auto& entry : fs::directory_iterator(path("disk"))) {
+      if (entry.is_regular_file()) pages += (entry.file_size() + kPage - 1) / kPage;
+    }
+  }
+  const SmallDisk disk(path("disk"));
+  ASSERT_TRUE(disk.mount(static_cast<int>(pages * kPage / 1024)));
+  EXPECT_THAT(run_program(on_disk()), FailedWith("run.txt.options.toml: cannot write: "));
+  EXPECT_THAT(entries_of(path("disk")),
+              ElementsAre("run.hand2.txt.partial", "run.txt.partial", "run.txt.resume"));
+  ASSERT_TRUE(disk.resize(4096));
+  ASSERT_THAT(run_program(on_disk({"--resume"})), Succeeded());
+  EXPECT_TRUE(fs::exists(path("disk/run.txt.options.toml")));
+  expect_same_hands("run", path("disk"));
+}
+
+TEST_F(EstimateRunTest, WithoutPermissionNothingIsBegun) {
+  fs::permissions(folder_.path(), fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
+  make_folder(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
+                                      fs::perms::others_exec);
+  make_folder(path("open"));
+  fs::permissions(path("open"), fs::perms::all);
+  const auto in_open = [&](const std::string& option, const std::string& file) {
+    std::vector<std::string> arguments = command("open/run");
+    return option.empty() ? arguments : changed(arguments, option, file);
+  };
+  const auto works = run_program_as_ordinary_user(in_open("", ""));
+  if (!works) GTEST_SKIP() << "the program cannot be run as an ordinary user here";
+  ASSERT_THAT(*works, Succeeded());
+  for (const auto& entry : fs::directory_iterator(path("open"))) fs::remove(entry.path());
+  for (const char* option : {"--out", "--records", "--json"}) {
+    const std::string file = path("locked/run.out");
+    const auto run = run_program_as_ordinary_user(in_open(option, file));
+    EXPECT_THAT(*run, FailedWith(file + ": cannot write: Permission denied")) << option;
+  }
+  const auto rendering = run_program_as_ordinary_user(
+      {"render", "--manifest", path("manifest.toml"), "--out", path("locked/set.h5")});
+  EXPECT_THAT(*rendering, FailedWith("Permission denied"));
+  EXPECT_THAT(entries_of(path("locked")), IsEmpty());
+  EXPECT_THAT(entries_of(path("open")), IsEmpty());
 }
 
 }  // namespace

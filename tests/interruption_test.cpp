@@ -151,6 +151,77 @@ TEST_F(InterruptionTest, ATrainingThatIsAskedToEndGoesOnFromItsSplits) {
   EXPECT_TRUE(read_text_file(path("forest.h5")) == read_text_file(path("whole_forest.h5")));
 }
 
+TEST_F(InterruptionTest, ATrainingOfANetworkThatIsAskedToEndGoesOnFromItsLastCheckpoint) {
+  const std::string source = "synthetic:" + fs::absolute(kDemoManifest).string();
+  write_text_file(path("train.toml"),
+                  "source = '" + source + "?count=12'\nvalidation = '" + source + "?first=12&count=4'\n" +
+                      "start = 'truth'\n[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n"
+                      "[network]\nconvention = 'icg20'\narchitecture = 'dense'\nstem_channels = 4\n"
+                      "quarter_channels = 8\neighth_channels = 8\nsixteenth_channels = 8\nhead_channels = 8\n"
+                      "[training]\nepochs = 60\nbatch_size = 4\nshards = 2\nvalidate_every = 10\n");
+  const auto training = [&](const std::string& out) {
+    return std::vector<std::string>{"train", "network", "--config", path("train.toml"), "--out", path(out)};
+  };
+  ASSERT_THAT(run_program(training("whole.pt")), Succeeded());
+  std::vector<std::string> arguments = training("net.pt");
+  const ProgramRun run =
+      run_program_until([&] { return fs::exists(path("net.pt.checkpoint")); }, arguments, SIGINT);
+  ASSERT_THAT(run, FailedWith("interrupted after "));
+  EXPECT_THAT(run.error, HasSubstr(" of 180 steps; continue with --resume from step "));
+  arguments.emplace_back("--resume");
+  ASSERT_THAT(run_program(arguments), Succeeded());
+  EXPECT_TRUE(read_text_file(path("net.pt")) == read_text_file(path("whole.pt")));
+}
+
+TEST_F(InterruptionTest, AnExperimentThatIsAskedToEndKeepsItsStepsAndGoesOn) {
+  const std::string demo = fs::absolute(kDemoManifest).string();
+  write_text_file(path("scene.toml"), "frames = 100000\n[body]\npeople = 1\n");
+  write_text_file(path("train.toml"), "source = 'synthetic:" + demo +
+                                          "?count=4'\n[patch]\nsize_px = 24\n[forest]\ntrees = 2\n"
+                                          "splits_per_node = 20\nmin_leaf_samples = 1\n");
+  write_text_file(path("boxes.toml"), "[segmentation]\nmethod = 'threshold'\n");
+  write_text_file(path("forest.toml"),
+                  "[segmentation]\nmethod = 'mean_shift'\n[estimator]\nmethod = 'forest'\nmodel = "
+                  "'../models/forest.h5'\n");
+  write_text_file(path("plan.toml"),
+                  "title = 'A plan'\n[[sequence]]\nname = 'scene'\ntitle = 'The scene'\nsource = "
+                  "'synthetic:scene.toml'\n[[model]]\nfile = 'forest.h5'\nkind = 'pose-forest'\nconfig = "
+                  "'train.toml'\n[[segmentation]]\nname = 'boxes'\npipeline = 'boxes.toml'\n"
+                  "[[estimation]]\nname = 'forest'\npipeline = 'forest.toml'\n");
+  const std::vector<std::string> arguments = {"experiment", path("plan.toml"), "--out", path("out")};
+  const std::string model = path("out/models/forest.h5");
+  int looks = 0;
+  const ProgramRun run =
+      run_program_until([&] { return fs::exists(model) && ++looks > 1500; }, arguments, SIGINT);
+  EXPECT_THAT(run, FailedWith("interrupted; what was done is kept in " + path("out")));
+  EXPECT_FALSE(fs::exists(path("out/report.html")));
+  ASSERT_TRUE(fs::exists(model));
+  const auto trained = fs::last_write_time(model);
+  write_text_file(path("scene.toml"), "frames = 3\n[body]\npeople = 1\n");
+  ASSERT_THAT(run_program(arguments), Succeeded());
+  EXPECT_TRUE(fs::exists(path("out/report.html")));
+  EXPECT_EQ(fs::last_write_time(model), trained);
+}
+
+TEST_F(InterruptionTest, AnEvaluationThatIsAskedToEndWritesNothing) {
+  constexpr int kLong = 100000;
+  write_text_file(path("long.toml"), fmt::format("frames = {}\n[body]\npeople = 1\n", kLong));
+  std::string poses = "# convention: nyu14\n";
+  for (int i = 0; i < kLong; ++i) {
+    for (int j = 0; j < 42; ++j) poses += j == 0 ? "nan" : " nan";
+    poses += "\n";
+  }
+  write_text_file(path("poses.txt"), poses);
+  int looks = 0;
+  const ProgramRun run =
+      run_program_until([&] { return ++looks > 2000; },  // about half a second
+                        {"evaluate", "--truth", "synthetic:" + path("long.toml"), "--predictions",
+                         "mine=" + path("poses.txt"), "--out", path("report"), "--json", path("scores.json")},
+                        SIGINT);
+  EXPECT_THAT(run, FailedWith("interrupted"));
+  EXPECT_FALSE(fs::exists(path("report")) || fs::exists(path("scores.json")));
+}
+
 TEST_F(InterruptionTest, AFullDiskIsOneLineAndTheNextRunGoesOn) {
   const std::string out = path("set.h5");
   const auto kilobytes = static_cast<int>(size_of(path("whole.h5")) / 2000);

@@ -11,6 +11,7 @@
 #include <spawn.h>
 #include <sys/mount.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "knuckle/core/text_file.h"
 
@@ -105,6 +106,21 @@ ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string
   // The limit's signal is ignored, so that a write that goes beyond it fails as on a full disk.
   const std::string limited = fmt::format("trap '' XFSZ; ulimit -f {}; exec \"$@\"", kilobytes);
   std::vector<std::string> command = {"bash", "-c", limited, "bash", KNUCKLE_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_command(std::move(command));
+}
+
+std::optional<ProgramRun> run_program_as_ordinary_user(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command;
+  if (::geteuid() == 0) command = {"setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups"};
+  command.emplace_back(KNUCKLE_PROGRAM);
+  std::vector<std::string> version = command;
+  version.emplace_back("--version");
+  try {
+    if (run_command(std::move(version)).status != 0) return std::nullopt;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // no setpriv
+  }
   command.insert(command.end(), arguments.begin(), arguments.end());
   return run_command(std::move(command));
 }

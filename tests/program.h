@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -31,6 +32,10 @@ ProgramRun run_program_until(const std::function<bool()>& is_time, const std::ve
 
 /// The same on a disk that is full: no file of the program may grow beyond `kilobytes`.
 ProgramRun run_program_on_full_disk(int kilobytes, const std::vector<std::string>& arguments);
+
+/// The same as a user who may not write what others own: `nobody` where the tests are run by root. Nothing
+/// where the machine has no such user, or the program cannot be run by it.
+std::optional<ProgramRun> run_program_as_ordinary_user(const std::vector<std::string>& arguments);
 
 /// A disk of its own, in memory; needs a privilege that not every machine grants.
 class SmallDisk {

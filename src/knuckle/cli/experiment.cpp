@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/interruption.h"
 
 namespace knuckle::cli {
 namespace {
@@ -14,8 +15,13 @@ struct ExperimentArguments {
 };
 
 void run(const ExperimentArguments& arguments) {
-  const std::filesystem::path page = run_experiment(find_plan(arguments.name), arguments.options);
-  fmt::print("report: {}\n", page.string());
+  try {
+    const std::filesystem::path page = run_experiment(find_plan(arguments.name), arguments.options);
+    fmt::print("report: {}\n", page.string());
+  } catch (const Interrupted&) {
+    throw Interrupted(fmt::format("interrupted; what was done is kept in {}, and the same command goes on",
+                                  arguments.options.out.string()));
+  }
 }
 
 }  // namespace

@@ -129,6 +129,7 @@ void run_own_program(const std::vector<std::string>& arguments) {
     std::fwrite(last_line.data(), 1, last_line.size(), stderr);
     return;
   }
+  end_if_interrupted();  // then it ended because it was asked to, as we are
   const std::string command = "knuckle " + joined(arguments, " ");
   if (WIFSIGNALED(status)) fail("`{}` was ended by signal {}", command, WTERMSIG(status));
   if (WEXITSTATUS(status) == kNotStarted) fail("`{}` could not be started", command);
