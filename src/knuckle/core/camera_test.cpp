@@ -49,6 +49,59 @@ TEST(CameraTest, ImpossibleValuesAreNamed) {
               HasSubstr("orthographic"));
 }
 
+TEST(CameraTest, AnOriginMovesBothCoordinatesByHalfAPixel) {
+  Camera camera = example_camera();
+  camera.cx = 11.25;
+  camera.cy = 70.75;
+  const Camera corner = with_pixel_origin(camera, PixelOrigin::centre, PixelOrigin::corner);
+  EXPECT_EQ(corner.cx, 11.75);
+  EXPECT_EQ(corner.cy, 71.25);
+}
+
+TEST(CameraTest, AMirrorTurnsTheSignOfTheSecondTangentialCoefficientAlone) {
+  Camera camera = example_camera();
+  camera.cx = 100.25;
+  camera.distortion = {0.1, 0.2, 0.01, 0.02, 0.3, 0.4, 0.5, 0.6};
+  const Camera mirror = mirrored(camera);
+  EXPECT_EQ(mirror.distortion, (std::array{0.1, 0.2, 0.01, -0.02, 0.3, 0.4, 0.5, 0.6}));
+  EXPECT_EQ(mirror.cx, 218.75);
+  EXPECT_EQ(mirror.cy, 120.0);
+  EXPECT_EQ(mirror.fx, 224.0);
+}
+
+TEST(FrameTest, AMirrorTurnsEachImageTruthAndSideAndKeepsTheRest) {
+  Frame frame;
+  frame.name = "000012";
+  frame.camera = {.width = 3, .height = 2, .fx = 5.0, .fy = 6.0, .cx = 0.5, .cy = 1.5};
+  frame.depth_mm = Image<float>(3, 2);
+  frame.infrared = Image<std::uint16_t>(3, 2);
+  frame.mask = Image<std::uint8_t>(3, 2);
+  for (int i = 0; i < 6; ++i) {
+    frame.depth_mm.data()[i] = 500.0f + static_cast<float>(i);
+    frame.infrared.data()[i] = static_cast<std::uint16_t>(40 + i);
+  }
+  frame.mask(2, 1) = 1;
+  frame.truth = HandPose::missing(convention_from_name("nyu14"));
+  frame.truth->joints[4] = {2.0, 1.0, 505.0};
+  frame.side = HandSide::left;
+  frame.time_s = 12.5;
+  frame.sequence = 3;
+  const Frame mirror = mirrored(frame);
+  EXPECT_EQ(mirror.name, "000012");
+  EXPECT_EQ(mirror.camera.cx, 1.5);
+  EXPECT_THAT(mirror.depth_mm.pixels(), ::testing::ElementsAre(502, 501, 500, 505, 504, 503));
+  EXPECT_THAT(mirror.infrared.pixels(), ::testing::ElementsAre(42, 41, 40, 45, 44, 43));
+  EXPECT_THAT(mirror.mask.pixels(), ::testing::ElementsAre(0, 0, 0, 1, 0, 0));
+  EXPECT_EQ(mirror.truth->joints[4].u, 0.0);
+  EXPECT_EQ(mirror.truth->joints[4].v, 1.0);
+  EXPECT_EQ(mirror.side, HandSide::right);
+  EXPECT_EQ(mirrored(mirror).side, HandSide::left);
+  EXPECT_EQ(mirror.time_s, 12.5);
+  EXPECT_EQ(mirror.sequence, 3);
+  frame.side.reset();
+  EXPECT_FALSE(mirrored(frame).side);
+}
+
 TEST(CameraTest, AMirroredFrameMirrorsBackToItself) {
   Frame frame;
   frame.camera = example_camera();

@@ -93,6 +93,68 @@ TEST(LandmarksTest, MappingTellsWhatIsSharedDroppedAndMissing) {
   EXPECT_THAT(mapping.missing, ::testing::ElementsAre(Landmark::palm));
 }
 
+std::vector<std::string> names_in(std::string_view convention) {
+  std::vector<std::string> names;
+  for (const Landmark landmark : convention_from_name(convention).landmarks)
+    names.emplace_back(name_of(landmark));
+  return names;
+}
+
+// The whole orders, as the data sets and MediaPipe publish them.
+TEST(LandmarksTest, EveryConventionHasItsPublishedOrder) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(names_in("mediapipe21"),
+              ElementsAre("wrist", "thumb_cmc", "thumb_mcp", "thumb_ip", "thumb_tip", "index_mcp",
+                          "index_pip", "index_dip", "index_tip", "middle_mcp", "middle_pip", "middle_dip",
+                          "middle_tip", "ring_mcp", "ring_pip", "ring_dip", "ring_tip", "little_mcp",
+                          "little_pip", "little_dip", "little_tip"));
+  EXPECT_THAT(names_in("knuckle22"),
+              ElementsAre("wrist", "palm", "thumb_cmc", "thumb_mcp", "thumb_ip", "thumb_tip", "index_mcp",
+                          "index_pip", "index_dip", "index_tip", "middle_mcp", "middle_pip", "middle_dip",
+                          "middle_tip", "ring_mcp", "ring_pip", "ring_dip", "ring_tip", "little_mcp",
+                          "little_pip", "little_dip", "little_tip"));
+  EXPECT_THAT(
+      names_in("icg20"),
+      ElementsAre("palm", "thumb_mcp", "thumb_ip", "thumb_tip", "index_mcp", "index_pip", "index_dip",
+                  "index_tip", "middle_mcp", "middle_pip", "middle_dip", "middle_tip", "ring_mcp", "ring_pip",
+                  "ring_dip", "ring_tip", "little_mcp", "little_pip", "little_dip", "little_tip"));
+  EXPECT_THAT(names_in("msra21"),
+              ElementsAre("wrist", "index_mcp", "index_pip", "index_dip", "index_tip", "middle_mcp",
+                          "middle_pip", "middle_dip", "middle_tip", "ring_mcp", "ring_pip", "ring_dip",
+                          "ring_tip", "little_mcp", "little_pip", "little_dip", "little_tip", "thumb_cmc",
+                          "thumb_mcp", "thumb_ip", "thumb_tip"));
+  EXPECT_THAT(names_in("hands21"),
+              ElementsAre("wrist", "thumb_cmc", "index_mcp", "middle_mcp", "ring_mcp", "little_mcp",
+                          "thumb_mcp", "thumb_ip", "thumb_tip", "index_pip", "index_dip", "index_tip",
+                          "middle_pip", "middle_dip", "middle_tip", "ring_pip", "ring_dip", "ring_tip",
+                          "little_pip", "little_dip", "little_tip"));
+  EXPECT_THAT(names_in("icvl16"),
+              ElementsAre("palm", "icvl_thumb_root", "icvl_thumb_mid", "icvl_thumb_tip", "icvl_index_root",
+                          "icvl_index_mid", "icvl_index_tip", "icvl_middle_root", "icvl_middle_mid",
+                          "icvl_middle_tip", "icvl_ring_root", "icvl_ring_mid", "icvl_ring_tip",
+                          "icvl_little_root", "icvl_little_mid", "icvl_little_tip"));
+  EXPECT_THAT(names_in("nyu14"),
+              ElementsAre("little_tip", "nyu_little_base", "ring_tip", "nyu_ring_base", "middle_tip",
+                          "nyu_middle_base", "index_tip", "nyu_index_base", "thumb_tip", "nyu_thumb_mid",
+                          "nyu_thumb_base", "nyu_wrist_1", "nyu_wrist_2", "palm"));
+}
+
+TEST(LandmarksTest, BonesFollowTheDigits) {
+  std::set<std::pair<std::string, std::string>> bones;
+  const Convention& nyu = convention_from_name("nyu14");
+  for (const Bone& bone : skeleton_of(nyu))
+    bones.emplace(name_of(nyu.landmarks[bone.from]), name_of(nyu.landmarks[bone.to]));
+  const std::set<std::pair<std::string, std::string>> expected{
+      {"palm", "nyu_wrist_1"},           {"palm", "nyu_wrist_2"},
+      {"palm", "nyu_thumb_base"},        {"nyu_thumb_base", "nyu_thumb_mid"},
+      {"nyu_thumb_mid", "thumb_tip"},    {"palm", "nyu_index_base"},
+      {"nyu_index_base", "index_tip"},   {"palm", "nyu_middle_base"},
+      {"nyu_middle_base", "middle_tip"}, {"palm", "nyu_ring_base"},
+      {"nyu_ring_base", "ring_tip"},     {"palm", "nyu_little_base"},
+      {"nyu_little_base", "little_tip"}};
+  EXPECT_EQ(bones, expected);
+}
+
 TEST(LandmarksTest, PublicOrdersAreThoseOfTheDataSets) {
   const auto at = [](std::string_view convention, int index) {
     return convention_from_name(convention).landmarks[index];
@@ -124,6 +186,27 @@ TEST(PoseTest, MirrorIsItsOwnInverseAndKeepsMissingJointsMissing) {
   EXPECT_EQ(mirror.joints[5].u, 319.0 - 5.0);
   EXPECT_TRUE(mirror.joints[3].is_missing());
   EXPECT_EQ(mirrored(mirror, 320).joints[5].u, pose.joints[5].u);
+}
+
+TEST(PoseTest, EveryConfidenceFollowsItsJoint) {
+  HandPose pose = counted_pose(convention_from_name("hands21"));
+  for (int i = 0; i < 21; ++i) pose.confidence.push_back(0.01f * static_cast<float>(i));
+  const HandPose result = converted(pose, convention_from_name("msra21"));
+  for (std::size_t i = 0; i < result.joints.size(); ++i)
+    EXPECT_FLOAT_EQ(result.confidence[i], static_cast<float>(0.01 * result.joints[i].u)) << i;
+}
+
+TEST(PoseTest, TheMeanIsOfTheJointsThatAreKnown) {
+  HandPose pose = HandPose::missing(convention_from_name("nyu14"));
+  EXPECT_TRUE(mean_joint(pose).is_missing());
+  pose.joints[2] = {10.0, 100.0, 500.0};
+  pose.joints[3] = {12.0, 40.0, kNaN};  // of a joint without depth nothing counts
+  pose.joints[7] = {40.0, 20.0, 620.0};
+  pose.joints[9] = {1.0, 0.0, 710.0};
+  const ImagePoint mean = mean_joint(pose);
+  EXPECT_DOUBLE_EQ(mean.u, 17.0);
+  EXPECT_DOUBLE_EQ(mean.v, 40.0);
+  EXPECT_DOUBLE_EQ(mean.depth_mm, 610.0);
 }
 
 TEST(PoseTest, OnlyAPoseWithoutAnyJointIsMissing) {

@@ -31,6 +31,32 @@ TEST(RandomTest, StreamsRepeatAndDiffer) {
   EXPECT_NE(word, other_seed());
 }
 
+// The same published answers: a stream is the cipher of a counter whose words are block and stream.
+TEST(RandomTest, AStreamIsTheCipherOfItsBlocks) {
+  Random zero(0, 0);
+  for (const std::uint32_t word : {0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u})
+    EXPECT_EQ(zero(), word);
+  EXPECT_EQ(zero(), philox({1, 0, 0, 0}, {0, 0})[0]);
+  Random random(0x299f31d0a4093822, 0x0370734413198a2e);
+  const auto expected = philox({0, 0, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0});
+  for (const std::uint32_t word : expected) EXPECT_EQ(random(), word);
+}
+
+TEST(RandomTest, EveryBitOfSeedStreamAndNumberCounts) {
+  std::set<std::uint32_t> words{Random(0, 0)()};
+  std::set<std::uint64_t> seeds{derived_seed(0, 0)};
+  for (int bit = 0; bit < 64; ++bit) {
+    const std::uint64_t one = std::uint64_t{1} << bit;
+    words.insert({Random(one, 0)(), Random(0, one)()});
+    seeds.insert({derived_seed(one, 0), derived_seed(0, one)});
+  }
+  EXPECT_EQ(words.size(), 129u);
+  EXPECT_EQ(seeds.size(), 129u);
+  std::uint64_t set_bits = 0;
+  for (const std::uint64_t seed : seeds) set_bits |= seed;
+  EXPECT_EQ(set_bits, ~std::uint64_t{0});
+}
+
 TEST(RandomTest, UniformHasTheMomentsOfTheUnitInterval) {
   Random random(1);
   constexpr int kCount = 100000;

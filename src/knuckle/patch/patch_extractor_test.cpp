@@ -157,6 +157,24 @@ TEST(PatchExtractor, SubtractsTheMeanPatchAndWhitens) {
   }
 }
 
+TEST(PatchExtractor, ABoxThatReachesOverTheEndsOfAnImageIsBackgroundThere) {
+  // 80 x 60 pixels: what is no row any more may be a column yet.
+  const HandPatch patch = *PatchExtractor({40}).extract(ramp_frame(), whole_box({50, 40, 40, 40}));
+  for (int j = 0; j < 40; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      const bool is_in_image = 50 + i < 80 && 40 + j < 60;
+      EXPECT_EQ(patch.pixels(i, j) == 3.0f, !is_in_image) << i << ", " << j;
+    }
+  }
+}
+
+TEST(PatchExtractor, ATallBoxIsFittedByItsHeight) {
+  const PatchGeometry geometry = patch_geometry({10, 4, 7, 30}, 60);
+  EXPECT_DOUBLE_EQ(geometry.centre_u, 13.0);
+  EXPECT_DOUBLE_EQ(geometry.centre_v, 18.5);
+  EXPECT_DOUBLE_EQ(geometry.image_px_per_patch_px, 0.5);
+}
+
 TEST(PatchExtractor, RefusesWhatDoesNotFit) {
   EXPECT_THAT(error_of([] { PatchExtractor extractor({1}); }), HasSubstr("size_px"));
   EXPECT_THAT(error_of([] {
@@ -174,7 +192,13 @@ TEST(PatchExtractor, RefusesWhatDoesNotFit) {
   EXPECT_THAT(error_of([] {
                 PatchExtractor({8}, PatchStatistics{8, Image<float>(8, 8, NAN), {}});
               }),
-              HasSubstr("not finite"));
+              HasSubstr("the mean patch holds a value that is not finite"));
+  EXPECT_THAT(error_of([] {
+                std::vector<float> whitening(64 * 64);
+                whitening[4095] = NAN;
+                PatchExtractor({8}, PatchStatistics{8, {}, whitening});
+              }),
+              HasSubstr("the whitening matrix holds a value that is not finite"));
   HandRegion hand = whole_box({1, 1, 5, 5});
   hand.box.width = 6;
   EXPECT_THAT(error_of([&] { (void)PatchExtractor({8}).extract(ramp_frame(), hand); }), HasSubstr("made_up"));

@@ -46,7 +46,8 @@ class CountedSource final : public FrameSource {
   }
   FrameLabel read_label(std::int64_t index) const override {
     if (labels_are_wrong) fail("labels.txt:{}: wrong", index);
-    return {numbered_frame(0).camera, {}};
+    const Frame frame = numbered_frame(index);
+    return {frame.camera, std::nullopt, frame.time_s, 0, frame.name};
   }
   std::optional<Convention> convention() const override { return std::nullopt; }
 
@@ -77,12 +78,12 @@ class SlowSegmenter final : public Segmenter {
 class MiddleEstimator final : public Estimator {
  public:
   Convention convention() const override { return {"middle1", kPalm}; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  const PatchExtractor& patches() const override { return patches_; }
   PatchPose estimate(const HandPatch& /*patch*/) const override { return {{{0.0, 0.0, 0.0}}, {1.0f}}; }
 
  private:
   static constexpr std::array kPalm = {Landmark::palm};
-  PatchStatistics statistics_{.size_px = 8, .mean = {}, .whitening = {}};
+  PatchExtractor patches_{{.size_px = 8}};
 };
 
 class EstimateEachTest : public ::testing::Test {
@@ -126,7 +127,9 @@ TEST_F(EstimateEachTest, FramesThatCannotBeReadAreResultsWithAFault) {
       if (result.fault.empty()) return;
       EXPECT_EQ(result.fault, fmt::format("image {} is broken", result.index));
       EXPECT_TRUE(result.estimate.hands.empty());
-      EXPECT_FALSE(result.estimate.status.empty());
+      EXPECT_EQ(result.estimate.status, "the frame cannot be read: " + result.fault);
+      EXPECT_EQ(result.name, is_stream ? "" : fmt::format("frame{}", result.index));
+      EXPECT_EQ(result.time_s.has_value(), !is_stream);
       faulty.push_back(result.index);
     };
     if (is_stream) {

@@ -50,15 +50,15 @@ class AllSegmenter final : public Segmenter {
 class CornerEstimator final : public Estimator {
  public:
   Convention convention() const override { return {"corner1", kPalm}; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  const PatchExtractor& patches() const override { return patches_; }
   PatchPose estimate(const HandPatch& patch) const override {
-    EXPECT_EQ(patch.pixels.width(), statistics_.size_px);
+    EXPECT_EQ(patch.pixels.width(), patches_.options().size_px);
     return {{{-1.0, -1.0, 0.0}}, {0.5f}};
   }
 
  private:
   static constexpr std::array kPalm = {Landmark::palm};
-  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+  PatchExtractor patches_{{.size_px = 10}};
 };
 
 /// Changes the palm's depth.
@@ -116,6 +116,15 @@ TEST(PipelineFromParts, MirrorsALeftHandThereAndBack) {
   EXPECT_NEAR(result.hands[0].pose.joints[0].v, 10.0, 1e-9);
 }
 
+TEST(PipelineFromParts, MirrorsTheStartOfALeftHandThereAndBack) {
+  const Point3 start(-60.0, 10.0, 500.0);
+  const FrameEstimate result = Pipeline(parts({.side = "left"})).estimate(plate(), {.start = start});
+  ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_EQ(result.hands[0].region.centre, start);  // the segmenter answers with what it is given
+  const FrameEstimate anywhere = Pipeline(parts({.side = "left"})).estimate(plate());
+  EXPECT_EQ(anywhere.hands.at(0).region.centre, Point3(-1.0, 2.0, 3.0));  // seen at x = 1 in the mirror
+}
+
 TEST(PipelineFromParts, TellsWhyThereIsNoHand) {
   Frame blank = plate();
   std::ranges::fill(blank.depth_mm.pixels(), 0.0f);
@@ -135,6 +144,7 @@ class ColumnSegmenter final : public Segmenter {
       const std::vector<std::int32_t> pixels{15 * frame.depth_mm.width() + column};
       HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
       region.centre = start.value_or(Point3(100.0 * (column - 4) - 250.0, 0.0, 500.0));
+      region.score = 0.25;
       found.hands.push_back(region);
     }
     return found;
@@ -149,7 +159,7 @@ class ColumnEstimator final : public Estimator {
  public:
   explicit ColumnEstimator(bool has_confidence = true) : has_confidence_(has_confidence) {}
   Convention convention() const override { return {"corner1", kPalm}; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
+  const PatchExtractor& patches() const override { return patches_; }
   PatchPose estimate(const HandPatch& patch) const override {
     ++calls;
     const double column = patch.geometry.to_image({0.0, 0.0, 0.0}).u;
@@ -161,7 +171,7 @@ class ColumnEstimator final : public Estimator {
 
  private:
   static constexpr std::array kPalm = {Landmark::palm};
-  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+  PatchExtractor patches_{{.size_px = 10}};
   bool has_confidence_;
 };
 
@@ -236,8 +246,7 @@ TEST(PipelineFromParts, TrustsAGivenStart) {
 class CubeEstimator final : public Estimator {
  public:
   Convention convention() const override { return {"corner1", kPalm}; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
-  PatchOptions patch_options() const override { return {.size_px = 10, .mode = "cube", .cube_mm = 100.0}; }
+  const PatchExtractor& patches() const override { return patches_; }
   PatchPose estimate(const HandPatch& patch) const override {
     const double off = std::abs(patch.geometry.centre_u - 9.0);
     return {{{0.0, 0.0, 0.0}}, {static_cast<float>(0.6 - 0.1 * off)}};
@@ -245,7 +254,7 @@ class CubeEstimator final : public Estimator {
 
  private:
   static constexpr std::array kPalm = {Landmark::palm};
-  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+  PatchExtractor patches_{{.size_px = 10, .mode = "cube", .cube_mm = 100.0}};
 };
 
 /// Leaves its start for what lies three columns to the right of it.
@@ -269,7 +278,7 @@ TEST(PipelineFromParts, LooksAtTheStartItselfWhereSegmentationLeftItForWhatIsNot
   EXPECT_NEAR(score_from(9.0), 0.6, 1e-6);   // where segmentation led to: 0.3
   EXPECT_NEAR(score_from(6.5), 0.55, 1e-6);  // sure there: the start (0.35) is not looked at
   EXPECT_NEAR(score_from(7.0), 0.5, 1e-6);   // at column 10
-  EXPECT_NEAR(score_from(4.0), 0.4, 1e-6);   // at column 7; less at the start
+  EXPECT_NEAR(score_from(4.0), 0.4, 1e-6);   // at column 7; 0.1 at the start
 }
 
 TEST(PipelineFromParts, IsSureOfAStartWhoseScoreIsHigh) {
@@ -305,8 +314,7 @@ TEST(PipelineFromParts, RefusesImpossibleNumbersOfHands) {
 class MovingEstimator final : public Estimator {
  public:
   Convention convention() const override { return {"corner1", kPalm}; }
-  const PatchStatistics& patch_statistics() const override { return statistics_; }
-  PatchOptions patch_options() const override { return {.size_px = 10, .mode = "cube", .cube_mm = 100.0}; }
+  const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return 2; }
   PatchPose estimate(const HandPatch& patch) const override {
     return {{patch.geometry.to_patch({12.0, 16.0, 495.0})}, {}};
@@ -314,7 +322,7 @@ class MovingEstimator final : public Estimator {
 
  private:
   static constexpr std::array kPalm = {Landmark::palm};
-  PatchStatistics statistics_{.size_px = 10, .mean = {}, .whitening = {}};
+  PatchExtractor patches_{{.size_px = 10, .mode = "cube", .cube_mm = 100.0}};
 };
 
 /// Keeps the region that it is given.
@@ -347,11 +355,75 @@ TEST(PipelineFromParts, GivesRefinersTheRegionOfTheLastLook) {
   EXPECT_NEAR(seen.centre.z(), 495.0, 1e-9);
   EXPECT_NEAR(seen.centre.x(), (12.0 - 19.5) * 495.0 / 30.0, 1e-9);
   EXPECT_EQ(found.hands[0].region.box, seen.box);
+  EXPECT_EQ(seen.score, 0.25) << "what segmentation said of it";
 }
 
 TEST(PipelineFromParts, CountsAHandThatTwoPlacesLeadToOnce) {
   const FrameEstimate found = Pipeline(moving_parts({4, 5}, 2)).estimate(plate());
   EXPECT_EQ(found.hands.size(), 1u);
+}
+
+TEST(PipelineFromParts, FindsTwoLeftHands) {
+  const HandOptions hand{.side = "left", .candidates = 4, .sure_confidence = 0.5};
+  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(std::vector{30, 33}), hand),
+                           std::make_unique<ColumnEstimator>()});
+  Frame frame = plate();
+  std::ranges::fill(frame.depth_mm.pixels(), 500.0f);
+  const FrameEstimate found = pipeline.estimate(frame, {.max_hands = 2});
+  EXPECT_EQ(columns_of(found), (std::vector{6, 9}));  // 39 - 33, 39 - 30
+  for (const HandEstimate& one : found.hands) EXPECT_EQ(one.side, HandSide::left);
+}
+
+/// Sees two joints, the second without confidence.
+class DoubtfulEstimator final : public Estimator {
+ public:
+  Convention convention() const override { return {"two2", kTwo}; }
+  const PatchExtractor& patches() const override { return patches_; }
+  PatchPose estimate(const HandPatch& /*patch*/) const override {
+    return {{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {0.9f, 0.3f}};
+  }
+
+ private:
+  static constexpr std::array kTwo = {Landmark::palm, Landmark::wrist};
+  PatchExtractor patches_{{.size_px = 10}};
+};
+
+TEST(PipelineFromParts, AScoreIsTheMeanConfidence) {
+  const Pipeline pipeline(
+      {HandFinder(std::make_unique<AllSegmenter>()), std::make_unique<DoubtfulEstimator>()});
+  EXPECT_NEAR(pipeline.estimate(plate()).hands.at(0).score, 0.6, 1e-6);
+}
+
+/// Finds a hand at each of these places [mm].
+class PlaceSegmenter final : public Segmenter {
+ public:
+  explicit PlaceSegmenter(std::vector<double> places) : places_(std::move(places)) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    const HandRegion region = found.hands.front();
+    found.hands.clear();
+    for (const double x : places_) {
+      if (std::ssize(found.hands) == max_hands) break;
+      found.hands.push_back(region);
+      found.hands.back().centre = Point3(x, 0.0, 500.0);
+    }
+    return found;
+  }
+
+ private:
+  std::vector<double> places_;
+};
+
+TEST(PipelineFromParts, PlacesNearerThanFiftyMillimetresAreOneHand) {
+  const auto hands_at = [](std::vector<double> places) {
+    const Pipeline pipeline(
+        {HandFinder(std::make_unique<PlaceSegmenter>(std::move(places)), {.max_hands = 3}),
+         std::make_unique<CornerEstimator>()});
+    return pipeline.estimate(plate()).hands.size();
+  };
+  EXPECT_EQ(hands_at({0.0, 49.0}), 1u);
+  EXPECT_EQ(hands_at({0.0, 51.0}), 2u);
+  EXPECT_EQ(hands_at({0.0, 51.0, 25.0}), 2u);
 }
 
 TEST(PipelineFromParts, DoesNotDoubtAMethodWithoutConfidence) {

@@ -193,6 +193,18 @@ TEST_F(CubeViewTest, FaultsTouchThePixelsOfTheHandAlone) {
   EXPECT_NEAR(static_cast<double>(hand_pixels(holed)) / count, 0.5, 0.1);
 }
 
+TEST_F(CubeViewTest, WhatIsErasedLiesWhereItSays) {
+  const std::vector<float> whole = pixels({});
+  const std::vector<float> erased = pixels({}, {.erased_u = 20, .erased_v = 9, .erased_radius = 5});
+  int changed = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const bool is_erased = std::hypot(i % kPatchSize - 20.0, i / kPatchSize - 9.0) < 5.0;
+    EXPECT_EQ(erased[i], is_erased ? kCubeBackground : whole[i]) << i % kPatchSize << ", " << i / kPatchSize;
+    changed += erased[i] != whole[i] ? 1 : 0;
+  }
+  EXPECT_GT(changed, 10);
+}
+
 TEST_F(CubeViewTest, TheSameSeedGivesTheSameView) {
   const PixelFaults faults{.noise_mm = 3.0, .missing_share = 0.2};
   EXPECT_EQ(pixels({}, faults, 7), pixels({}, faults, 7));
@@ -217,6 +229,63 @@ TEST(AugmentationOptions, RandomViewsKeepToTheirRangesAndNoneIsTheIdentity) {
     EXPECT_EQ(plain.faults.erased_radius, 0.0);
   }
   EXPECT_GT(largest, 0.8 * std::numbers::pi / 6.0);
+}
+
+/// Means and deviations of 4,000 drawn numbers lie within four of their own standard errors.
+struct Drawn {
+  double sum = 0.0, squares = 0.0;
+  void add(double x) {
+    sum += x;
+    squares += x * x;
+  }
+  void expect(double mean, double deviation) const {
+    constexpr double kCount = 4000.0;
+    EXPECT_NEAR(sum / kCount, mean, 4.0 * deviation / std::sqrt(kCount));
+    EXPECT_NEAR(std::sqrt(squares / kCount - sum / kCount * sum / kCount), deviation, 0.05 * deviation);
+  }
+};
+
+TEST(AugmentationOptions, EachNumberIsDrawnOfItsOwn) {
+  const CubeSamples samples = testing::made_up_samples(1);
+  const AugmentationOptions options{.rotation_deg = 90.0,
+                                    .shift_mm = 8.0,
+                                    .recentred_share = 0.0,
+                                    .scale_spread = 0.2,
+                                    .noise_mm = 3.0,
+                                    .missing_share = 0.4,
+                                    .erased_share = 1.0,
+                                    .erased_mm = 30.0};
+  Drawn u, v, d, uv, rotation, scale, noise, missing, erased_u, erased_v, erased_uv, radius;
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+    Random random(seed, 9);
+    const auto [view, faults] = random_view(samples.sample(0), samples, options, random);
+    u.add(view.centre_u);
+    v.add(view.centre_v);
+    uv.add(view.centre_u + view.centre_v);
+    d.add(view.centre_d);
+    rotation.add(view.rotation);
+    scale.add(view.scale);
+    noise.add(faults.noise_mm);
+    missing.add(faults.missing_share);
+    erased_u.add(faults.erased_u);
+    erased_v.add(faults.erased_v);
+    erased_uv.add(faults.erased_u - faults.erased_v);
+    radius.add(faults.erased_radius);
+  }
+  // Patches of 32 px and 200 mm: 0.16 px per mm; the crop's cube has 300 mm. Uniform: width / sqrt(12).
+  const double uniform = 1.0 / std::sqrt(12.0);
+  u.expect(0.0, 1.28);
+  v.expect(0.0, 1.28);
+  uv.expect(0.0, 1.28 * std::numbers::sqrt2);
+  d.expect(0.0, 8.0 / 150.0);
+  rotation.expect(0.0, std::numbers::pi * uniform);
+  scale.expect(1.0, 0.4 * uniform);
+  noise.expect(1.5, 3.0 * uniform);
+  missing.expect(0.2, 0.4 * uniform);
+  erased_u.expect(16.0, 32.0 * uniform);
+  erased_v.expect(16.0, 32.0 * uniform);
+  erased_uv.expect(0.0, 32.0 * uniform * std::numbers::sqrt2);
+  radius.expect(2.4, 4.8 * uniform);
 }
 
 TEST(AugmentationOptions, AreChecked) {

@@ -98,6 +98,18 @@ TEST_F(SampleCacheTest, MakesOthersWhereAnythingDiffersButTheManifestsPlace) {
   write_text_file(folder_ / "demo.toml", read_text_file(folder_ / "demo.toml") + "# changed\n");
   samples();
   EXPECT_EQ(files().size(), 6u);
+  options_.most = 3;
+  EXPECT_EQ(samples().frames.total, 3);
+  EXPECT_EQ(files().size(), 7u);
+  options_.patch.side_mm = 200.0;
+  EXPECT_DOUBLE_EQ(samples().samples.patch().side_mm, 200.0);
+  EXPECT_EQ(files().size(), 8u);
+  options_.patch.size_px = 24;
+  EXPECT_EQ(samples().samples.patch().size_px, 24);
+  EXPECT_EQ(files().size(), 9u);
+  options_.convention = convention_from_name("nyu14");
+  EXPECT_EQ(samples().samples.joint_count(), 14);
+  EXPECT_EQ(files().size(), 10u);
 }
 
 TEST_F(SampleCacheTest, ADamagedOrForeignFileIsNamed) {

@@ -63,6 +63,15 @@ TEST_F(SourceFingerprintTest, OfASyntheticSourceTheManifestCounts) {
   EXPECT_NE(of_manifest("frames = 3\nseed = 2\n"), one);
 }
 
+TEST_F(SourceFingerprintTest, OfASyntheticSourceTheBodyCounts) {
+  write_text_file(folder_ / "m.toml", "frames = 3\n[body]\nfile = 'body.h5'\n");
+  const auto with_body = [&](const std::string& content) {
+    write_text_file(folder_ / "body.h5", content);
+    return source_fingerprint("synthetic:" + (folder_ / "m.toml").string());
+  };
+  EXPECT_NE(with_body("one body"), with_body("another body"));
+}
+
 TEST_F(SourceFingerprintTest, WhatIsMissingIsNamed) {
   EXPECT_THAT(testing::error_of([] { source_fingerprint("h5:none.h5"); }), ::testing::HasSubstr("none.h5"));
 }

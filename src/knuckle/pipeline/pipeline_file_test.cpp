@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a pipeline file says must be what its model was trained on.
+#include "knuckle/core/testing.h"
+#include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file_testing.h"
+#include "knuckle/pipeline/pipeline.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class PipelineFile : public ::testing::Test {
+ protected:
+  PipelineFile() {
+    testing::write_network(folder_ / "small.pt", random_weights(testing::small_network(), 1));
+  }
+
+  Pipeline load(const std::string& toml) const {
+    write_text_file(folder_ / "p.toml", toml + "[estimator]\nmethod = 'dense'\nmodel = 'small.pt'\n");
+    return Pipeline::load(folder_ / "p.toml");
+  }
+  std::string fault(const std::string& toml) const {
+    return testing::error_of([&] { load(toml); });
+  }
+
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(PipelineFile, SaysOfPatchesWhatTheModelWasTrainedOn) {
+  EXPECT_EQ(load("").convention().name, "nyu14");
+  EXPECT_EQ(load("[patch]\nmode = 'cube'\nsize_px = 32\ncube_mm = 200.0\n").convention().name, "nyu14");
+  EXPECT_THAT(fault("[patch]\ncube_mm = 250.0\n"),
+              AllOf(HasSubstr("p.toml:2: patch.cube_mm"), HasSubstr("cubes of 200 mm")));
+  EXPECT_THAT(fault("[patch]\nsize_px = 96\n"),
+              AllOf(HasSubstr("p.toml:2: patch.size_px"), HasSubstr("patches of 32 px")));
+  EXPECT_THAT(fault("[patch]\nmode = 'hand'\n"),
+              AllOf(HasSubstr("p.toml:2: patch.mode"), HasSubstr("\"cube\"")));
+}
+
+TEST_F(PipelineFile, IsSureWhereTheEstimatorIsUnlessItSaysOtherwise) {
+  EXPECT_EQ(load("").hand().sure_confidence, 0.45);
+  EXPECT_EQ(load("[hand]\nsure_confidence = 0.2\n").hand().sure_confidence, 0.2);
+}
+
+}  // namespace
+}  // namespace knuckle
