@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes small changes of behaviour, one at a time, and prints which of them no test notices.
+
+The changes are listed in scripts/mutants/*.toml, one table [[change]] each:
+
+    file   the source file
+    old    text that occurs in it exactly once
+    new    what takes its place
+    tests  optional: modules whose test programs should notice; unless given, the file's own module
+
+Everything happens in a copy of the working tree (uncommitted changes included) with a build folder of its own. Only the
+test programs that a change names are built and run, until the first that fails. A change that does not compile, and one
+whose old text is gone, are faults of the list. Exit status: 0 where all were noticed, 1 where not, 2 for a wrong list.
+"""
+import argparse
+import dataclasses
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LISTS = ROOT / "scripts" / "mutants"
+
+
+@dataclasses.dataclass
+class Change:
+    name: str  # LIST:NUMBER
+    file: str
+    old: str
+    new: str
+    tests: list
+
+    def fault(self):
+        path = ROOT / self.file
+        if not path.is_file():
+            return f"{self.file} does not exist"
+        count = path.read_text().count(self.old)
+        if count != 1:
+            return f"the old text occurs {count} times in {self.file}, expected once: {self.old!r}"
+        return "old and new text are the same" if self.old == self.new else ""
+
+
+def module_of(file):
+    return pathlib.PurePath(file).relative_to("src/knuckle").parts[0]
+
+
+def read_list(path):
+    changes = []
+    for number, row in enumerate(tomllib.loads(path.read_text())["change"], 1):
+        unknown = set(row) - {"file", "old", "new", "tests"}
+        if unknown:
+            sys.exit(f"{path}: unknown key {sorted(unknown)}")
+        tests = row.get("tests") or [module_of(row["file"])]
+        changes.append(Change(f"{path.stem}:{number}", row["file"], row["old"], row["new"], tests))
+    return changes
+
+
+class Workshop:
+    """The copy of the tree, and its build folder."""
+
+    def __init__(self, folder, jobs, options):
+        self.source = folder
+        self.build = folder / "build" / "release"  # where a compiler's cache expects it
+        self.options = options
+        self.jobs = jobs
+        self.seconds = {}  # of each test program without a change
+        self.copy_tree()
+        self.configure()
+
+    def copy_tree(self):
+        self.source.mkdir(parents=True, exist_ok=True)
+        listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, check=True,
+                                capture_output=True, text=True).stdout.splitlines()
+        wanted = {name for name in listed if (ROOT / name).is_file()}
+        for top in {pathlib.PurePath(name).parts[0] for name in wanted}:
+            for old in (self.source / top).rglob("*"):
+                if old.is_file() and str(old.relative_to(self.source)) not in wanted:
+                    old.unlink()
+        for name in wanted:
+            self.restore(name)
+        bodies = self.source / "third_party"
+        if (ROOT / "third_party").exists() and not bodies.exists():
+            bodies.symlink_to((ROOT / "third_party").resolve())
+
+    def restore(self, name):
+        """The file as it is in the tree; left alone where it already is, so that nothing is compiled in vain."""
+        target = self.source / name
+        if target.is_file() and target.read_bytes() == (ROOT / name).read_bytes():
+            return
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, target)  # with a new time: ninja goes by times
+
+    def configure(self):
+        if not (self.build / "build.ninja").is_file():
+            subprocess.run(["cmake", "--preset", "release", "--log-level=WARNING", *self.options], cwd=self.source,
+                           check=True, stdout=subprocess.DEVNULL)
+
+    def compiles(self, modules):
+        targets = [f"knuckle_{module}_test" for module in modules]
+        done = subprocess.run(["ninja", "-C", self.build, "-j", str(self.jobs), *targets], capture_output=True, text=True)
+        self.log = done.stdout
+        return done.returncode == 0
+
+    def run_tests(self, module, longest_s):
+        """The first test that fails ("" where none does), and the seconds that it took."""
+        program = self.build / "bin" / f"knuckle_{module}_test"
+        data = os.environ.get("KNUCKLE_SHARED_DATA", str(ROOT.parent / "shared" / "data"))
+        start = time.monotonic()
+        try:
+            done = subprocess.run([program, "--gtest_fail_fast", "--gtest_color=no"], cwd=self.source, capture_output=True,
+                                  timeout=longest_s, env={**os.environ, "KNUCKLE_SHARED_DATA": data})
+        except subprocess.TimeoutExpired:
+            return f"{module}: longer than {longest_s:.0f} s", time.monotonic() - start
+        seconds = time.monotonic() - start
+        if done.returncode == 0:
+            return "", seconds
+        output = done.stdout.decode(errors="replace")
+        failed = re.search(r"\[  FAILED  \] (\S+?)(,| \()", output)
+        return f"{module}/{failed.group(1) if failed else f'status {done.returncode}'}", seconds
+
+    def prepare(self, modules):
+        """All tests must pass before the first change."""
+        if not self.compiles(modules):
+            sys.exit(f"the tree without a change does not compile:\n{self.log[-3000:]}")
+        for module in modules:
+            failed, self.seconds[module] = self.run_tests(module, 1200)
+            if failed:
+                sys.exit(f"without a change {failed} fails")
+
+    def outcome(self, change):
+        """("noticed", by what), ("UNNOTICED", "") or ("broken", why)."""
+        path = self.source / change.file
+        path.write_text(path.read_text().replace(change.old, change.new))
+        try:
+            if not self.compiles(change.tests):
+                errors = [line for line in self.log.splitlines() if " error: " in line]
+                return "broken", f"does not compile: {errors[0] if errors else self.log[-300:]}"
+            for module in change.tests:
+                failed, _ = self.run_tests(module, 30 + 5 * self.seconds[module])
+                if failed:
+                    return "noticed", failed
+            return "UNNOTICED", ""
+        finally:
+            self.restore(change.file)
+
+
+def chosen_changes(arguments):
+    lists = arguments.lists or sorted(LISTS.glob("*.toml"))
+    changes = [change for path in lists for change in read_list(pathlib.Path(path))]
+    if arguments.only:
+        changes = [c for c in changes if re.search(arguments.only, f"{c.name} {c.file} {c.old} {c.new}")]
+    part, parts = (int(number) for number in arguments.part.split("/"))
+    return changes[part * len(changes) // parts:(part + 1) * len(changes) // parts]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("lists", nargs="*", help="lists of changes; unless given, all of scripts/mutants")
+    parser.add_argument("--only", help="a regular expression that name, file, old or new text must match")
+    parser.add_argument("--part", default="0/1", help="I/N: the I-th (from 0) of N parts")
+    parser.add_argument("--check", action="store_true", help="only say whether each change can still be made")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--cmake", action="append", default=[], help="an option for cmake, as in --cmake=-DX=ON")
+    parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "build" / "mutants", help="for copy and build")
+    arguments = parser.parse_args()
+
+    changes = chosen_changes(arguments)
+    faults = [f"{change.name}: {change.fault()}" for change in changes if change.fault()]
+    print("\n".join(faults + [f"{len(changes)} changes, {len(faults)} of them cannot be made"]), flush=True)
+    if arguments.check or faults:
+        return 2 if faults else 0
+
+    workshop = Workshop(arguments.folder, arguments.jobs, arguments.cmake)
+    workshop.prepare(sorted({module for change in changes for module in change.tests}))
+    counts = {"noticed": 0, "UNNOTICED": 0, "broken": 0}
+    for change in changes:
+        kind, text = workshop.outcome(change)
+        counts[kind] += 1
+        print(f"{kind:9} {change.name:14} {change.file}: {change.new.strip().splitlines()[:1]} {text}", flush=True)
+    print(", ".join(f"{count} {kind}" for kind, count in counts.items()))
+    return 2 if counts["broken"] else 1 if counts["UNNOTICED"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
