@@ -25,9 +25,6 @@ class LineIndex {
   std::string where(std::int64_t index) const;
 
  private:
-  /// The place of an entry in the lists; throws where there is no such entry.
-  std::size_t entry(std::int64_t index) const;
-
   std::filesystem::path path_;
   std::vector<std::uint64_t> starts_;
   std::vector<std::uint32_t> numbers_;  ///< of the lines in the file, from 1
