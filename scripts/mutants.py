@@ -19,6 +19,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -114,7 +115,8 @@ class Workshop:
         start = time.monotonic()
         try:
             done = subprocess.run([program, "--gtest_fail_fast", "--gtest_color=no"], cwd=self.source, capture_output=True,
-                                  timeout=longest_s, env={**os.environ, "KNUCKLE_SHARED_DATA": data})
+                                  timeout=longest_s, env={**os.environ, "KNUCKLE_SHARED_DATA": data},
+                                  preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         except subprocess.TimeoutExpired:
             return f"{module}: longer than {longest_s:.0f} s", time.monotonic() - start
         seconds = time.monotonic() - start

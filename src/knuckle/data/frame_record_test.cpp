@@ -182,6 +182,34 @@ TEST(FrameRecord, PixelsAreInTheSourcesOrigin) {
   EXPECT_EQ(hand_record(pose, Projection(kCamera), PixelOrigin::centre).landmarks_px[0].u, 10.0);
 }
 
+constexpr Landmark kTwo[] = {Landmark::thumb_tip, Landmark::wrist};
+
+TEST(FrameRecord, IsTheLineOfTheDocuments) {
+  FrameRecord record;
+  record.frame = 12;
+  record.name = "000012";
+  record.time_s = 0.4;
+  HandPose pose{{"two2", kTwo}, {{171.5, 97.5, 448.0}, {}}, {0.75f, 0.0f}};
+  for (const HandSide side : {HandSide::left, HandSide::right}) {
+    HandRecord hand = hand_record(pose, Projection(kCamera), PixelOrigin::corner);
+    hand.id = static_cast<int>(record.hands.size()) + 1;
+    hand.side = side;
+    hand.score = 0.71;
+    record.hands.push_back(hand);
+  }
+  const std::string rest =
+      R"("score":0.7100,"landmarks_mm":{"thumb_tip":[24.000,-44.000,448.000],"wrist":null},)"
+      R"("landmarks_px":{"thumb_tip":[172.000,98.000],"wrist":null},"confidence":{"thumb_tip":0.7500,"wrist":0.0000}})";
+  EXPECT_EQ(to_json_line(record), R"({"frame":12,"name":"000012","time_s":0.400000,"status":"","hands":[)"
+                                  R"({"id":1,"side":"left",)" +
+                                      rest + R"(,{"id":2,"side":"right",)" + rest + "]}");
+  record.hands.clear();
+  record.time_s.reset();
+  record.status = "no hand";
+  EXPECT_EQ(to_json_line(record),
+            R"({"frame":12,"name":"000012","time_s":null,"status":"no hand","hands":[]})");
+}
+
 TEST(FrameRecord, RefusesTheWrongNumberOfLandmarks) {
   FrameRecord record = record_with_hands();
   record.hands[0].landmarks_px.pop_back();

@@ -191,6 +191,25 @@ TEST(TrainRegressionForest, GoesOnFromACheckpoint) {
   EXPECT_FALSE(std::filesystem::exists(folder / "c.h5"));
 }
 
+TEST(TrainRegressionForest, ACheckpointOfOtherWeightsOrSamplesIsRefused) {
+  const TemporaryFolder folder;
+  const TrainingSamples samples = RandomRows(300, 25, 3).samples();
+  const RegressionForestOptions options = small_regression_options();
+  const TrainingRun stopped{.checkpoint = folder / "c.h5", .tree_done = [](int) { throw Error("stopped"); }};
+  const std::vector<double> weights{1.0, 1.0, 0.25};
+  EXPECT_EQ(error_of([&] { train_regression_forest(samples, options, stopped, weights); }), "stopped");
+  const auto fault = [&](const TrainingSamples& with, const std::vector<double>& weighted) {
+    return error_of(
+        [&] { train_regression_forest(with, options, {.checkpoint = folder / "c.h5"}, weighted); });
+  };
+  EXPECT_THAT(fault(samples, {1.0, 0.25, 1.0}), HasSubstr("other options or samples"));
+  EXPECT_THAT(fault(samples, {}), HasSubstr("other options or samples"));
+  EXPECT_THAT(fault(RandomRows(301, 25, 3).samples(), weights), HasSubstr("other options or samples"));
+  RegressionForestOptions coarse = options;
+  coarse.leaf_bits = 8;  // trees are the same: a training may go on to other leaves
+  EXPECT_NO_THROW(train_regression_forest(samples, coarse, {.checkpoint = folder / "c.h5"}, weights));
+}
+
 TEST(TrainRegressionForest, RefusesAForeignCheckpoint) {
   const TemporaryFolder folder;
   std::ofstream(folder / "c.h5") << "no checkpoint";

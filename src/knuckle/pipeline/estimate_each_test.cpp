@@ -116,6 +116,14 @@ TEST_F(EstimateEachTest, ResultsOfFramesOfVeryDifferentCostComeInOrderAndAreThei
   EXPECT_EQ(taken, 300);
 }
 
+TEST_F(EstimateEachTest, AllResultsAreInTheOrderOfTheFrames) {
+  const CountedSource source(100);
+  const std::vector<FrameEstimate> frames = estimate_all(source, pipeline_, Start::nearest, "x");
+  ASSERT_EQ(frames.size(), 100u);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    EXPECT_EQ(frames[i].hands.at(0).region.centre.z(), 400.0 + static_cast<double>(i % 64)) << i;
+}
+
 TEST_F(EstimateEachTest, FramesThatCannotBeReadAreResultsWithAFault) {
   const CountedSource source(100, {0, 50, 51, 99});
   SourceStream stream(source);

@@ -168,6 +168,38 @@ TEST(SyntheticSource, FramesFollowOneAnotherAtTheRateOfTheManifest) {
   EXPECT_EQ(moving->read(3).sequence, 0);
 }
 
+TEST(SyntheticSource, EachFrameHasNoiseOfItsOwn) {
+  Manifest manifest = small_manifest();
+  manifest.frames = 8;
+  manifest.sensor.quantisation_mm = 0;
+  manifest.sensor.noise.sigma_mm = 2.0;
+  Manifest exact = manifest;
+  exact.sensor.noise.sigma_mm = 0.0;
+  const auto noisy = box_hand_source(manifest);
+  const auto clean = box_hand_source(exact);
+  const auto noise_of = [&](std::int64_t index) {
+    Image<float> noise = noisy->read(index).depth_mm;
+    const Image<float> depth = clean->read(index).depth_mm;
+    for (std::size_t i = 0; i < noise.size(); ++i)
+      noise.data()[i] =
+          noise.data()[i] > 0.0f && depth.data()[i] > 0.0f ? noise.data()[i] - depth.data()[i] : 0.0f;
+    return noise;
+  };
+  double products = 0.0;
+  double squares = 0.0;
+  for (std::int64_t frame = 0; frame + 1 < manifest.frames; ++frame) {
+    const Image<float> one = noise_of(frame);
+    const Image<float> next = noise_of(frame + 1);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      if (one.data()[i] == 0.0f || next.data()[i] == 0.0f) continue;
+      products += double{one.data()[i]} * next.data()[i];
+      squares += 0.5 * (double{one.data()[i]} * one.data()[i] + double{next.data()[i]} * next.data()[i]);
+    }
+  }
+  ASSERT_GT(squares, 1000.0);
+  EXPECT_LT(std::abs(products / squares), 0.2) << "the noise of neighbouring frames is the same";
+}
+
 TEST(SyntheticSource, FocalLengthsSpreadAsAskedFor) {
   Manifest manifest = small_manifest();
   manifest.camera.focal_spread = 0.2;
@@ -177,6 +209,7 @@ TEST(SyntheticSource, FocalLengthsSpreadAsAskedFor) {
   for (int i = 0; i < 24; ++i) {
     low = std::min(low, source->read(i).camera.fx);
     high = std::max(high, source->read(i).camera.fx);
+    EXPECT_EQ(source->read(i).camera.fy, source->read(i).camera.fx);  // as in the manifest
   }
   EXPECT_GE(low, 56 * 0.8);
   EXPECT_LE(high, 56 * 1.2);

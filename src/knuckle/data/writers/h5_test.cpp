@@ -90,6 +90,13 @@ TEST(H5, StatesWhatOtherProgramsNeed) {
   EXPECT_EQ(file.shape("joints_mm"), (std::vector<std::uint64_t>{2, 22, 3}));
 }
 
+TEST(H5, SidesHaveTheCodesOfTheFormat) {
+  const testing::TemporaryFolder folder;
+  write_set(folder / "a.h5", 0, 6);  // not known, left, right, ...
+  const Hdf5File file = Hdf5File::open(folder / "a.h5");
+  EXPECT_EQ(file.read<std::int8_t>("side").values, (std::vector<std::int8_t>{-1, 1, 0, -1, 1, 0}));
+}
+
 TEST(H5, KeepsWhatHasNoTimes) {
   const testing::TemporaryFolder folder;
   Frame frame = noisy_frame(0);

@@ -88,6 +88,36 @@ TEST(Evaluate, ReadsTruthFromASource) {
   EXPECT_EQ(score.frames, 6);
 }
 
+/// A source whose frames have cameras of their own.
+class ZoomingSource final : public FrameSource {
+ public:
+  std::int64_t size() const override { return 3; }
+  Frame read(std::int64_t index) const override {
+    Frame frame;
+    const double focal = 100.0 * static_cast<double>(index + 1);
+    frame.camera = {.width = 80, .height = 60, .fx = focal, .fy = focal, .cx = 39.5, .cy = 29.5};
+    frame.truth = HandPose::missing(convention_from_name("nyu14"));
+    frame.truth->joints[13] = {49.5, 29.5, 500.0};
+    return frame;
+  }
+  std::optional<Convention> convention() const override { return convention_from_name("nyu14"); }
+};
+
+TEST(Evaluate, EachFrameIsScoredWithItsOwnCamera) {
+  const Truth truth = truth_from_source(ZoomingSource(), "zoom");
+  ASSERT_EQ(truth.projections.size(), 3u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(truth.projection(i).camera().fx, 100.0 * (i + 1));
+  Predictions predictions{"x", {"x.txt", truth.sequence.convention, truth.sequence.poses}};
+  for (HandPose& pose : predictions.sequence.poses) pose.joints[13].u += 6.0;
+  const MethodScore score = evaluate(truth, {predictions}).methods[0];
+  // 6 px are 30, 15 and 10 mm at 500 mm.
+  ASSERT_EQ(score.frame_mean_3d_mm.size(), 3u);
+  EXPECT_NEAR(score.frame_mean_3d_mm[0], 30.0, 1e-9);
+  EXPECT_NEAR(score.frame_mean_3d_mm[1], 15.0, 1e-9);
+  EXPECT_NEAR(score.frame_mean_3d_mm[2], 10.0, 1e-9);
+  EXPECT_NEAR(score.mean_2d_px, 6.0, 1e-9);
+}
+
 TEST(Evaluate, ASourceWithoutTruthIsNamed) {
   const FakeSource source;
   EXPECT_THAT(error_of([&] { truth_from_source(source, "fake:source"); }),
