@@ -10,7 +10,6 @@ find_package(tomlplusplus REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
-pkg_check_modules(ZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 
@@ -27,6 +26,6 @@ add_library(knuckle_opencv_codecs INTERFACE IMPORTED GLOBAL)
 target_link_libraries(knuckle_opencv_codecs INTERFACE knuckle_opencv ${OPENCV_imgcodecs_LIBRARY})
 
 # HDF5 exports variables, not usage requirements.
-add_library(knuckle_hdf5 INTERFACE IMPORTED GLOBAL)
-target_include_directories(knuckle_hdf5 INTERFACE ${HDF5_C_INCLUDE_DIRS})
-target_link_libraries(knuckle_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
+add_library(knuckle_libhdf5 INTERFACE IMPORTED GLOBAL)
+target_include_directories(knuckle_libhdf5 INTERFACE ${HDF5_C_INCLUDE_DIRS})
+target_link_libraries(knuckle_libhdf5 INTERFACE ${HDF5_C_LIBRARIES})

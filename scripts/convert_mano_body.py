@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes a Knuckle body from the arrays of MANO and models like it (docs/import.md):
 
-    python3 scripts/convert_mano_body.py MODEL.pkl|MODEL.npz --out body.h5 [--mirror]
+    python3 scripts/convert_mano_body.py MODEL.pkl|MODEL.npz --out body.model [--mirror]
         [--tips 745,317,444,556,673] [--joints wrist,index1,...]
 
 Takes v_template V x 3 [m], f F x 3, weights V x B, J_regressor B x V, kintree_table 2 x B and, where it has
@@ -33,7 +33,7 @@ REQUIRED = ("v_template", "f", "weights", "J_regressor", "kintree_table")
 def parse_arguments():
     parser = argparse.ArgumentParser(description="arrays of MANO, or of a model like it, to a Knuckle body")
     parser.add_argument("model", help=".pkl (read without running it) or .npz")
-    parser.add_argument("--out", required=True, help="the body file to write (.h5)")
+    parser.add_argument("--out", required=True, help="the body file to write (.model)")
     parser.add_argument(
         "--joints",
         default=",".join(MANO_JOINTS),

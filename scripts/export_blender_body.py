@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes a Knuckle body from an armature and the mesh that it moves in a .blend file (docs/import.md):
 
-    blender --background FILE.blend --python scripts/export_blender_body.py -- --out body.h5 \
+    blender --background FILE.blend --python scripts/export_blender_body.py -- --out body.model \
         [--armature NAME] [--mesh NAME] [--landmarks map.toml] [--mirror]
 """
 import argparse
@@ -25,7 +25,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(
         prog="export_blender_body.py", description="Blender armature + mesh to a body"
     )
-    parser.add_argument("--out", required=True, help="the body file to write (.h5)")
+    parser.add_argument("--out", required=True, help="the body file to write (.model)")
     parser.add_argument("--armature", help="the armature object; needed where the file has several")
     parser.add_argument("--mesh", help="the mesh object; needed where the armature moves several")
     parser.add_argument("--landmarks", help="TOML map of the 22 landmarks; default: MakeHuman's bone names")

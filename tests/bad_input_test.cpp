@@ -6,7 +6,7 @@
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle::testing {
 namespace {
@@ -47,7 +47,7 @@ class BadInputTest : public ::testing::Test {
     return path("pipeline.toml");
   }
 
-  std::string model_file() const { return std::filesystem::absolute("models/pose_forest.h5"); }
+  std::string model_file() const { return std::filesystem::absolute("models/pose_forest.model"); }
 
   TemporaryFolder folder_;
   Image<std::uint16_t> blank_{64, 48};
@@ -124,7 +124,7 @@ TEST_F(BadInputTest, AnExrOrH5ThatIsCutShortOrForeign) {
   EXPECT_THAT(inspect("h5:" + path("cut.h5")), FailedWith("cut.h5"));
   write_text_file(path("foreign.h5"), "text");
   EXPECT_THAT(inspect("h5:" + path("foreign.h5")), FailedWith("foreign.h5"));
-  EXPECT_THAT(inspect("h5:" + model_file()), FailedWith("pose_forest.h5"));
+  EXPECT_THAT(inspect("h5:" + model_file()), FailedWith("pose_forest.model"));
 
   ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--count", "1", "--format", "icg", "--out",
                            path("icg")}),
@@ -173,19 +173,17 @@ TEST_F(BadInputTest, APipelineWithAnUnknownKeyTypeOrRange) {
 }
 
 TEST_F(BadInputTest, AModelThatIsMissingCutShortForeignOrOfAnotherVersion) {
-  const std::string pipeline = pipeline_file("[estimator]\nmethod = 'forest'\nmodel = 'model.h5'\n");
-  EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.h5"));
+  const std::string pipeline = pipeline_file("[estimator]\nmethod = 'forest'\nmodel = 'model.model'\n");
+  EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.model"));
   const std::string bytes = read_text_file(model_file());
   for (const double part : {0.001, 0.3, 0.95}) {
-    write_text_file(path("model.h5"), bytes.substr(0, static_cast<std::size_t>(part * double(bytes.size()))));
-    EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.h5")) << part;
+    write_text_file(path("model.model"),
+                    bytes.substr(0, static_cast<std::size_t>(part * double(bytes.size()))));
+    EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("model.model")) << part;
   }
-  write_text_file(path("model.h5"), bytes);
+  write_text_file(path("model.model"), bytes);
   EXPECT_THAT(estimate(kDemoSource, pipeline), Succeeded());
-  {
-    Hdf5File model = Hdf5File::open_for_writing(path("model.h5"));
-    model.set_attribute("version", 99);
-  }
+  change_model(path("model.model"), [](ModelWriter& model) { model.set_format("knuckle-forest", 99); });
   EXPECT_THAT(estimate(kDemoSource, pipeline), FailedWith("version 99"));
 }
 
@@ -212,10 +210,11 @@ TEST_F(BadInputTest, AManifestThatIsWrong) {
       ": [pose]");
   fault("frames = 'many'\n", ":1: frames: expected a whole number");
   fault("frames = 3\nframes = 4\n", ":2: no valid TOML");
-  write_text_file(path("manifest.toml"), "[body]\nfile = 'nobody.h5'\n");
-  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("nobody.h5: the file is missing"));
-  write_text_file(path("nobody.h5"), "no body");
-  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("nobody.h5: no HDF5 file"));
+  write_text_file(path("manifest.toml"), "[body]\nfile = 'nobody.model'\n");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")),
+              FailedWith("nobody.model: cannot read: No such file"));
+  write_text_file(path("nobody.model"), "no body");
+  EXPECT_THAT(inspect("synthetic:" + path("manifest.toml")), FailedWith("nobody.model: not a model's file"));
   EXPECT_THAT(entries_of(folder_.path()), Not(Contains(HasSubstr("x.h5"))));
   EXPECT_THAT(
       run_program({"render", "--manifest", kDemoManifest, "--first", "100000", "--out", path("x.h5")}),
@@ -227,7 +226,8 @@ TEST_F(BadInputTest, AManifestThatIsWrong) {
 TEST_F(BadInputTest, ATrainingWithoutTruthOrWithAWrongConfiguration) {
   const auto train = [&](const std::string& toml) {
     write_text_file(path("train.toml"), toml);
-    return run_program({"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.h5")});
+    return run_program(
+        {"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.model")});
   };
   make_set(blank_);
   EXPECT_THAT(train("source = 'folder:set'\n"), FailedWith("no truth"));
@@ -241,7 +241,7 @@ TEST_F(BadInputTest, ATrainingWithoutTruthOrWithAWrongConfiguration) {
   for (int i = 0; i < 20; ++i) joints += "1 2 300 ";
   make_set(blank_, "convention = 'icg20'", joints);
   EXPECT_THAT(train("source = 'folder:set'\n"), FailedWith("no frame can be trained on"));
-  EXPECT_THAT(entries_of(folder_.path()), Not(Contains("forest.h5")));
+  EXPECT_THAT(entries_of(folder_.path()), Not(Contains("forest.model")));
 }
 
 TEST_F(BadInputTest, OutputThatCannotBeWrittenLeavesNothing) {

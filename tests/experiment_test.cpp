@@ -25,11 +25,11 @@ class ExperimentTest : public ::testing::Test {
     write_text_file(folder_ / "mean_shift.toml", "[segmentation]\nmethod = \"mean_shift\"\n");
     write_text_file(folder_ / "forest.toml",
                     "[segmentation]\nmethod = \"mean_shift\"\n[estimator]\nmethod = \"forest\"\n"
-                    "model = \"../models/forest.h5\"\n");
+                    "model = \"../models/forest.model\"\n");
     write_text_file(
         folder_ / "plan.toml",
         "title = \"A small plan\"\n[[sequence]]\nname = \"scene\"\ntitle = \"The scene\"\n"
-        "source = \"synthetic:scene.toml\"\n[[model]]\nfile = \"forest.h5\"\nkind = \"pose-forest\"\n"
+        "source = \"synthetic:scene.toml\"\n[[model]]\nfile = \"forest.model\"\nkind = \"pose-forest\"\n"
         "config = \"train.toml\"\n"
         "[[segmentation]]\nname = \"threshold\"\npipeline = \"threshold.toml\"\n"
         "[[segmentation]]\nname = \"mean shift\"\npipeline = \"mean_shift.toml\"\n"
@@ -59,7 +59,7 @@ TEST_F(ExperimentTest, GoesFromDataToReport) {
                            "Mean 3D error of each joint", "Segmentation of a frame (ms)"}) {
     EXPECT_THAT(page, HasSubstr(part));
   }
-  for (const char* file : {"models/forest.h5", "pipelines/forest.toml", "scene/boxes/mean_shift.csv",
+  for (const char* file : {"models/forest.model", "pipelines/forest.toml", "scene/boxes/mean_shift.csv",
                            "scene/poses/forest.txt", "scene/metrics.json", "scene/report.html",
                            "figures/figure4_scene.png", "tables/poses.csv", "timings/frames.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(out_ / file)) << file;
@@ -86,7 +86,7 @@ TEST_F(ExperimentTest, RedoesOnlyWhatAChangeTouches) {
   EXPECT_TRUE(is_redone("scene/boxes/mean_shift.csv"));
   EXPECT_TRUE(is_redone("report.html"));
   EXPECT_FALSE(is_redone("scene/boxes/threshold.csv"));
-  EXPECT_FALSE(is_redone("models/forest.h5"));
+  EXPECT_FALSE(is_redone("models/forest.model"));
   EXPECT_FALSE(is_redone("scene/poses/forest.txt"));
 }
 
@@ -97,18 +97,19 @@ TEST_F(ExperimentTest, ScaleCutsTrainingAndTest) {
   ASSERT_THAT(run({"--scale", "0.5"}), Succeeded());
   const std::string boxes = read("scene/boxes/threshold.csv");
   EXPECT_EQ(std::count(boxes.begin(), boxes.end(), '\n'), 1 + 12);
-  EXPECT_THAT(read("training/forest.h5.toml"), HasSubstr("splits_per_node = 20")) << "it was least already";
+  EXPECT_THAT(read("training/forest.model.toml"), HasSubstr("splits_per_node = 20"))
+      << "it was least already";
   EXPECT_THAT(read("report.html"), HasSubstr("at scale 0.5"));
 }
 
 TEST_F(ExperimentTest, UsesTrainedModels) {
   ASSERT_THAT(run(), Succeeded());
-  const std::string model = read("models/forest.h5");
+  const std::string model = read("models/forest.model");
   std::filesystem::rename(out_ / "models", folder_ / "trained");
   const ProgramRun again = run({"--models", folder_ / "trained"});
   ASSERT_THAT(again, Succeeded());
   EXPECT_THAT(again.out, Not(HasSubstr("training")));
-  EXPECT_EQ(read("models/forest.h5"), model);
+  EXPECT_EQ(read("models/forest.model"), model);
 }
 
 TEST_F(ExperimentTest, AGivenModelMustBeWhatThePlanAsksFor) {
@@ -120,7 +121,7 @@ TEST_F(ExperimentTest, AGivenModelMustBeWhatThePlanAsksFor) {
   EXPECT_THAT(run(), FailedWith("dense.pt: its convention is knuckle22"));
   write_text_file(folder_ / "net.toml", sources + cube + "[network]\narchitecture = \"pca\"\n");
   EXPECT_THAT(run(), FailedWith("dense.pt: its architecture is dense"));
-  EXPECT_FALSE(std::filesystem::exists(out_ / "models/forest.h5"))
+  EXPECT_FALSE(std::filesystem::exists(out_ / "models/forest.model"))
       << "the fault is found before any training";
   write_text_file(folder_ / "net.toml", sources + cube + "[network]\nconvention = \"knuckle22\"\n");
   ASSERT_THAT(run(), Succeeded());
@@ -143,8 +144,8 @@ TEST_F(ExperimentTest, NamesWhatIsWrong) {
   EXPECT_THAT(run({"--scale", "nan"}), FailedWith("scale"));
   EXPECT_THAT(run({"--models", folder_ / "nowhere"}), FailedWith("nowhere: not a folder of trained models"));
   write_text_file(folder_ / "forest.toml",
-                  "[estimator]\nmethod = \"forest\"\nmodel = \"../models/none.h5\"\n");
-  EXPECT_THAT(run(), FailedWith("none.h5"));
+                  "[estimator]\nmethod = \"forest\"\nmodel = \"../models/none.model\"\n");
+  EXPECT_THAT(run(), FailedWith("none.model"));
 }
 
 }  // namespace

@@ -139,16 +139,16 @@ TEST_F(InterruptionTest, ATrainingThatIsAskedToEndGoesOnFromItsSplits) {
     return std::vector<std::string>{"train", "pose-forest", "--config", path("train.toml"),
                                     "--out", path(out)};
   };
-  ASSERT_THAT(run_program(training("whole_forest.h5")), Succeeded());
-  std::vector<std::string> arguments = training("forest.h5");
+  ASSERT_THAT(run_program(training("whole_forest.model")), Succeeded());
+  std::vector<std::string> arguments = training("forest.model");
   const ProgramRun run =
-      run_program_until([&] { return fs::exists(path("forest.h5.checkpoint")); }, arguments, SIGINT);
+      run_program_until([&] { return fs::exists(path("forest.model.checkpoint")); }, arguments, SIGINT);
   ASSERT_THAT(run, FailedWith("interrupted after "));
   EXPECT_THAT(run.error, HasSubstr(" of 3 trees; continue with --resume"));
-  EXPECT_FALSE(fs::exists(path("forest.h5")));
+  EXPECT_FALSE(fs::exists(path("forest.model")));
   arguments.emplace_back("--resume");
   ASSERT_THAT(run_program(arguments), Succeeded());
-  EXPECT_TRUE(read_text_file(path("forest.h5")) == read_text_file(path("whole_forest.h5")));
+  EXPECT_TRUE(read_text_file(path("forest.model")) == read_text_file(path("whole_forest.model")));
 }
 
 TEST_F(InterruptionTest, ATrainingOfANetworkThatIsAskedToEndGoesOnFromItsLastCheckpoint) {

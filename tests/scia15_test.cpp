@@ -26,9 +26,14 @@ constexpr const char* kScale = "0.01";
 constexpr const char* kScaleOfKills = "0.004";  // three runs, as quick as still trains each model
 constexpr int kKilled = 128 + SIGKILL;
 constexpr const char* kSequences[] = {"creative", "pico", "kinect_v2"};
-constexpr const char* kModels[] = {"segmentation_forest.h5", "pose_forest.h5", "heatmap2d.pt",
-                                   "heatmap25d.pt",          "regression.pt",  "pca.pt",
-                                   "autoencoder.pt",         "dense.pt"};
+constexpr const char* kModels[] = {"segmentation_forest.model",
+                                   "pose_forest.model",
+                                   "heatmap2d.pt",
+                                   "heatmap25d.pt",
+                                   "regression.pt",
+                                   "pca.pt",
+                                   "autoencoder.pt",
+                                   "dense.pt"};
 
 /// All files below a folder whose name ends so, by their names.
 std::map<std::string, std::string> contents(const fs::path& folder, const std::vector<std::string>& ends) {

@@ -183,9 +183,9 @@ TEST_F(VerbsTest, ASegmentationForestIsTrainedAndItsBoxesAreScored) {
                   "source = \"synthetic:" + std::filesystem::absolute("manifests/demo.toml").string() +
                       "?count=20\"\n[forest]\ntrees = 2\nsplits_per_node = 100\noffsets_per_node = 40\n");
   ASSERT_THAT(run_program({"train", "segmentation-forest", "--config", path("train.toml"), "--out",
-                           path("forest.h5")}),
+                           path("forest.model")}),
               Succeeded());
-  write_text_file(path("pipeline.toml"), "[segmentation]\nmethod = 'forest'\nmodel = 'forest.h5'\n");
+  write_text_file(path("pipeline.toml"), "[segmentation]\nmethod = 'forest'\nmodel = 'forest.model'\n");
   ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", path("pipeline.toml"), "--out",
                            path("boxes.csv"), "--json", path("segment.json")}),
               Succeeded());
@@ -279,29 +279,30 @@ TEST_F(VerbsTest, TheForestFindsThePaintedHandOfARecording) {
 }
 
 TEST_F(VerbsTest, AShrunkForestIsSmallerAndEstimates) {
-  ASSERT_THAT(run_program({"shrink", "--model", "models/pose_forest.h5", "--leaves", "2000", "--leaf-step",
-                           "0.1", "--out", path("small.h5")}),
+  ASSERT_THAT(run_program({"shrink", "--model", "models/pose_forest.model", "--leaves", "2000", "--leaf-step",
+                           "0.1", "--out", path("small.model")}),
               Succeeded());
-  EXPECT_LT(std::filesystem::file_size(path("small.h5")),
-            std::filesystem::file_size("models/pose_forest.h5") / 4);
+  EXPECT_LT(std::filesystem::file_size(path("small.model")),
+            std::filesystem::file_size("models/pose_forest.model") / 4);
   write_text_file(path("small.toml"),
-                  "[patch]\nsize_px = 96\n[estimator]\nmethod = \"forest\"\nmodel = \"small.h5\"\n");
+                  "[patch]\nsize_px = 96\n[estimator]\nmethod = \"forest\"\nmodel = \"small.model\"\n");
   EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("small.toml"), "--out",
                            path("poses.txt")}),
               Succeeded());
-  EXPECT_THAT(run_program({"shrink", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.h5")}),
-              FailedWith("models/dense.pt"));
-  EXPECT_FALSE(std::filesystem::exists(path("b.h5")));
+  EXPECT_THAT(
+      run_program({"shrink", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.model")}),
+      FailedWith("models/dense.pt"));
+  EXPECT_FALSE(std::filesystem::exists(path("b.model")));
 }
 
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {
   // A frame and its mirror image, the one with side = right, the other with side = left.
   const std::string pipeline = read_text_file("pipelines/pose_forest.toml");
-  const std::string model = std::filesystem::absolute("models/pose_forest.h5");
+  const std::string model = std::filesystem::absolute("models/pose_forest.model");
   const auto with = [&](std::string text, const std::string& from, const std::string& to) {
     return text.replace(text.find(from), from.size(), to);
   };
-  const std::string right = with(pipeline, "../models/pose_forest.h5", model);
+  const std::string right = with(pipeline, "../models/pose_forest.model", model);
   write_text_file(path("right.toml"), right);
   write_text_file(path("left.toml"), with(right, "side = \"right\"", "side = \"left\""));
   make_folder(path("a/depth"));
@@ -341,9 +342,9 @@ TEST_F(VerbsTest, TrainingMakesAModelThatEstimates) {
                   "source = 'synthetic:" + std::filesystem::absolute("manifests/demo.toml").string() +
                       "?count=30'\nconvention = 'icg20'\n[forest]\ntrees = 2\nsplits_per_node = 50\n");
   ASSERT_THAT(
-      run_program({"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.h5")}),
+      run_program({"train", "pose-forest", "--config", path("train.toml"), "--out", path("forest.model")}),
       Succeeded());
-  write_text_file(path("pipeline.toml"), "[estimator]\nmethod = 'forest'\nmodel = 'forest.h5'\n");
+  write_text_file(path("pipeline.toml"), "[estimator]\nmethod = 'forest'\nmodel = 'forest.model'\n");
   ASSERT_THAT(run_program({"estimate", "--source", kDemoSource, "--pipeline", path("pipeline.toml"), "--out",
                            path("poses.txt")}),
               Succeeded());
@@ -356,10 +357,10 @@ TEST_F(VerbsTest, TheSameTrainingOnOneAndTwoThreadsMakesTheSameFile) {
                       "?count=20'\n[forest]\ntrees = 2\nsplits_per_node = 50\n");
   for (const std::string threads : {"1", "2"}) {
     ASSERT_THAT(run_program({"train", "pose-forest", "--config", path("train.toml"), "--out",
-                             path("forest" + threads + ".h5"), "--threads", threads}),
+                             path("forest" + threads + ".model"), "--threads", threads}),
                 Succeeded());
   }
-  EXPECT_TRUE(read_text_file(path("forest1.h5")) == read_text_file(path("forest2.h5")));
+  EXPECT_TRUE(read_text_file(path("forest1.model")) == read_text_file(path("forest2.model")));
 }
 
 TEST_F(VerbsTest, DemoMakesAReport) {

@@ -77,8 +77,8 @@ FIXTURES = {
                  "h5py.File('d.h5')['depth'][:].astype('float32').tofile('depth.f32')\"",
     "$method.toml": "printf '[segmentation]\\nmethod = \"threshold\"\\n' >threshold.toml; "
                     "printf '[segmentation]\\nmethod = \"mean_shift\"\\n' >mean_shift.toml; "
-                    "printf '[segmentation]\\nmethod = \"forest\"\\nmodel = \"forest.h5\"\\n' >forest.toml; "
-                    "knuckle train segmentation-forest --config pipelines/train_segmentation_forest.toml --out forest.h5",
+                    "printf '[segmentation]\\nmethod = \"forest\"\\nmodel = \"forest.model\"\\n' >forest.toml; "
+                    "knuckle train segmentation-forest --config pipelines/train_segmentation_forest.toml --out forest.model",
 }
 
 used = set()  # entries of the tables that something matched

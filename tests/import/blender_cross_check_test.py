@@ -41,7 +41,7 @@ class BlenderCrossCheckTest(ImportTest):
     def test_an_imported_hand_through_an_uncentred_camera(self):
         self.assertEqual(run_blender(HERE / "blender_model.py", self.folder).returncode, 0)
         (self.folder / "map.toml").write_text(hand_map())
-        out = self.folder / "body.h5"
+        out = self.folder / "body.model"
         self.assert_done(
             run_blender(
                 SCRIPTS / "export_blender_body.py",

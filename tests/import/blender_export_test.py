@@ -47,7 +47,7 @@ class BlenderExportTest(ImportTest):
         models = run_blender(HERE / "blender_model.py", cls.folder)
         assert models.returncode == 0, models.stdout + models.stderr
         cls.model = cls.folder / "plain.blend"
-        cls.out = cls.folder / "body.h5"
+        cls.out = cls.folder / "body.model"
         cls.process = cls.export(cls.model, "--out", cls.out, "--landmarks", cls.map_path)
         cls.body = knuckle_body_file.read(cls.out) if cls.process.returncode == 0 else None
 
@@ -144,7 +144,7 @@ class BlenderExportTest(ImportTest):
         self.assertTrue(np.all(self.body.is_hand[height > 30] == 0))
 
     def test_mirrors_a_left_hand(self):
-        out = self.folder / "mirrored.h5"
+        out = self.folder / "mirrored.model"
         self.assert_done(self.export(self.model, "--out", out, "--landmarks", self.map_path, "--mirror"))
         mirrored = knuckle_body_file.read(out)
         np.testing.assert_allclose(mirrored.v_template, self.body.v_template * [-1, 1, 1], atol=1e-5)
@@ -154,7 +154,7 @@ class BlenderExportTest(ImportTest):
         )
 
     def test_chooses_the_mesh_that_is_named(self):
-        out, never = self.folder / "glove.h5", self.folder / "never.h5"
+        out, never = self.folder / "glove.model", self.folder / "never.model"
         model = self.folder / "two_meshes.blend"
         self.assert_done(self.export(model, "--out", out, "--landmarks", self.map_path, "--mesh", "Glove"))
         self.assert_fails(
@@ -178,13 +178,13 @@ class BlenderExportTest(ImportTest):
             ("nan_weight", "a weight of vertex 7 is not a finite number"),
         ):
             with self.subTest(variant):
-                model, out = self.folder / f"{variant}.blend", self.folder / "never.h5"
+                model, out = self.folder / f"{variant}.blend", self.folder / "never.model"
                 self.assert_fails(
                     self.export(model, "--out", out, "--landmarks", self.map_path), model, part, output=out
                 )
 
     def test_names_the_bone_that_only_the_map_has(self):
-        path, out = self.folder / "wrong.toml", self.folder / "never.h5"
+        path, out = self.folder / "wrong.toml", self.folder / "never.model"
         path.write_text(hand_map(index_pip="pointer.2 head"))
         self.assert_fails(
             self.export(self.model, "--out", out, "--landmarks", path),
@@ -196,11 +196,11 @@ class BlenderExportTest(ImportTest):
         )
 
     def test_asks_for_a_blend_file(self):
-        out = self.folder / "never.h5"
+        out = self.folder / "never.model"
         self.assert_fails(self.export(None, "--out", out), "no .blend file was read", output=out)
 
     def test_asks_for_a_map_where_the_bones_have_other_names(self):
-        out = self.folder / "never.h5"
+        out = self.folder / "never.model"
         self.assert_fails(
             self.export(self.model, "--out", out), "plain.blend", "--landmarks", "'wrist.R'", output=out
         )

@@ -78,7 +78,7 @@ class GroupTest(ImportTest):
 
 class FileTest(ImportTest):
     def test_reads_back_what_it_writes(self):
-        body, path = small_body(), self.folder / "body.h5"
+        body, path = small_body(), self.folder / "body.model"
         knuckle_body_file.write(body, path)
         again = knuckle_body_file.read(path)
         for name in (
@@ -99,7 +99,7 @@ class FileTest(ImportTest):
             np.testing.assert_array_equal(mine.weights, yours.weights)
 
     def test_writes_no_file_of_a_faulty_body(self):
-        path = self.folder / "never.h5"
+        path = self.folder / "never.model"
         for change, part in (
             ({"v_template": small_body().v_template * np.nan}, "v_template of vertex 0"),
             ({"weights": small_body().weights * 0.5}, "weights of vertex 0 sum to 0.5"),
@@ -116,7 +116,7 @@ class FileTest(ImportTest):
 
     def test_says_where_it_cannot_write(self):
         with self.assertRaisesRegex(kb.BodyError, "nowhere"):
-            knuckle_body_file.write(small_body(), self.folder / "nowhere" / "body.h5")
+            knuckle_body_file.write(small_body(), self.folder / "nowhere" / "body.model")
 
 
 class LandmarkMapTest(ImportTest):

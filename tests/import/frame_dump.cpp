@@ -2,7 +2,8 @@
 // Renders frames of one person and writes all that another program needs to render them, too (see
 // scripts/blender_render.py), with what Knuckle made of them and how fast.
 //
-//     knuckle_frame_dump BODY.h5|makehuman OUT.h5 [--frames N] [--camera WIDTH,HEIGHT,FX,FY,CX,CY] [--time]
+//     knuckle_frame_dump BODY.model|makehuman OUT.h5 [--frames N] [--camera WIDTH,HEIGHT,FX,FY,CX,CY]
+//     [--time]
 
 #include <chrono>
 #include <cstdio>
@@ -20,7 +21,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/hand/body_file.h"
 #include "knuckle/hand/body_rig.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 #include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/people/people.h"
@@ -198,7 +199,7 @@ void dump(const Arguments& arguments) {
   const BodyRig rig(person);
   const std::vector<PosedFrame> frames = drawn_frames(rig, manifest);
 
-  const std::string body_file = arguments.out + ".body.h5";
+  const std::string body_file = arguments.out + ".body.model";
   save_body(*body, body_file);
   Hdf5File file = Hdf5File::create(arguments.out);
   file.set_attribute("body", body_file);

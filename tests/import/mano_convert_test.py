@@ -103,7 +103,7 @@ class Attack:
 class ManoConvertTest(ImportTest):
     def setUp(self):
         self.model = random_model()
-        self.out = self.folder / f"{self.id().rsplit('.', 1)[1]}.h5"
+        self.out = self.folder / f"{self.id().rsplit('.', 1)[1]}.model"
 
     def save_npz(self, **changes):
         path = self.folder / "model.npz"

@@ -26,6 +26,9 @@ try:
 except ImportError:
     sys.exit(77)
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import knuckle_model_file  # noqa: E402
+
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 NETWORK_TOLERANCE_PX = 0.001
@@ -111,7 +114,7 @@ def pose_forest_pipeline(out):
     """The shipped one but for mean shift, which rounds as the processor does."""
     pipeline = out / "pose_forest.toml"
     pipeline.write_text('[segmentation]\nmethod = "threshold"\n[patch]\nsize_px = 96\n[estimator]\nmethod = "forest"\n'
-                        f'model = "{PROJECT}/models/pose_forest.h5"\n')
+                        f'model = "{PROJECT}/models/pose_forest.model"\n')
     return pipeline
 
 
@@ -119,8 +122,8 @@ def trained_forest(variant, source, out):
     config = out / "train.toml"
     config.write_text(f'source = "{source}"\n[pixels]\nshare = 1.0\n[forest]\ntrees = 1\nmax_depth = 8\n'
                       'splits_per_node = 200\noffsets_per_node = 64\nmemory_gb = 1.0\n')
-    variant.knuckle("train", "segmentation-forest", "--config", config, "--out", out / "forest.h5")
-    return arrays(out / "forest.h5")
+    variant.knuckle("train", "segmentation-forest", "--config", config, "--out", out / "forest.model")
+    return knuckle_model_file.read(out / "forest.model", "knuckle-forest", 2)[1]
 
 
 def assert_alike(expected, found):

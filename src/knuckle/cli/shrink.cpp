@@ -7,7 +7,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/segment/segmentation_forest.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle::cli {
 namespace {
@@ -51,7 +51,7 @@ LeafCounts shrink_segmentation_forest(const ShrinkArguments& arguments) {
 
 LeafCounts shrink(const ShrinkArguments& arguments) {
   if (!arguments.leaves && !arguments.leaf_step) fail("shrink: give --leaves, --leaf-step, or both");
-  const std::string kind = Hdf5File::open(arguments.model).text_attribute("kind");
+  const std::string kind = ModelFile::open(arguments.model).text("kind");
   if (kind == "pose") return shrink_pose_forest(arguments);
   if (kind == "segmentation") return shrink_segmentation_forest(arguments);
   fail("{}: a forest of kind \"{}\", expected \"pose\" or \"segmentation\"", arguments.model.string(), kind);
@@ -72,7 +72,7 @@ void run_shrink(const ShrinkArguments& arguments) {
 void add_shrink(CLI::App& program) {
   CLI::App& verb =
       add_verb(program, "shrink", "Make a forest's file smaller",
-               "knuckle shrink --model models/pose_forest.h5 --leaf-step 0.2 --out small_forest.h5");
+               "knuckle shrink --model models/pose_forest.model --leaf-step 0.2 --out small_forest.model");
   auto arguments = std::make_shared<ShrinkArguments>();
   verb.add_option("--model", arguments->model, "A pose or segmentation forest")->required();
   verb.add_option("--leaves", arguments->leaves,

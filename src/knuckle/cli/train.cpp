@@ -67,7 +67,7 @@ void train_segmentation_forest(const TrainArguments& arguments) {
 void add_kind(CLI::App& train, const std::string& name, const std::string& description,
               const std::string& config, void (*run)(const TrainArguments& arguments)) {
   CLI::App& verb = add_verb(train, name, description,
-                            fmt::format("knuckle train {} --config {} --out forest.h5", name, config));
+                            fmt::format("knuckle train {} --config {} --out forest.model", name, config));
   auto arguments = std::make_shared<TrainArguments>();
   verb.add_option("--config", arguments->config,
                   "Source and options of the training (pipelines/train_*.toml)")
@@ -96,7 +96,7 @@ void train_network(const NetworkArguments& /*checked*/) {
 void add_train(CLI::App& program) {
   CLI::App& train = *program.add_subcommand("train", "Train a model");
   train.footer(
-      "Example:\n  knuckle train pose-forest --config pipelines/train_pose_forest.toml --out forest.h5");
+      "Example:\n  knuckle train pose-forest --config pipelines/train_pose_forest.toml --out forest.model");
   train.require_subcommand(1);
   add_kind(train, "pose-forest", "Train a regression forest that infers poses from patches",
            "pipelines/train_pose_forest.toml", train_pose_forest);

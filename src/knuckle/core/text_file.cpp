@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/text_file.h"
 
-#include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <system_error>
+#include <algorithm>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
 
 std::string read_text_file(const std::filesystem::path& path) {
-  errno = 0;
-  if (std::filesystem::is_directory(path)) fail("{}: expected a file, found a folder", path.string());
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail("{}: cannot read: {}", path.string(), std::generic_category().message(errno));
-  std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (stream.bad()) fail("{}: cannot read: {}", path.string(), std::generic_category().message(errno));
-  return text;
+  return read_regular_file(path, limits::kTextFileBytes);
 }
 
 std::vector<std::string> read_lines(const std::filesystem::path& path) {
@@ -27,6 +20,10 @@ std::vector<std::string> read_lines(const std::filesystem::path& path) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const bool has_return = end > begin && text[end - 1] == '\r';
+    if (end - begin > static_cast<std::size_t>(limits::kLineLength)) {
+      fail("{}:{}: the line has {} characters, expected at most {}", path.string(), lines.size() + 1,
+           end - begin, limits::kLineLength);
+    }
     lines.push_back(text.substr(begin, end - begin - (has_return ? 1 : 0)));
     begin = end + 1;
   }

@@ -20,7 +20,8 @@ class CreateEstimator : public ::testing::Test {
  protected:
   CreateEstimator() {
     std::filesystem::create_directory(folder_ / "models");
-    save_pose_forest(folder_ / "models" / "small.h5", testing::made_up_model(convention_from_name("nyu14")));
+    save_pose_forest(folder_ / "models" / "small.model",
+                     testing::made_up_model(convention_from_name("nyu14")));
   }
 
   std::unique_ptr<Estimator> create(const std::string& toml) const {
@@ -35,7 +36,7 @@ class CreateEstimator : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-const std::string kForest = "method = \"forest\"\nmodel = \"models/small.h5\"\n";
+const std::string kForest = "method = \"forest\"\nmodel = \"models/small.model\"\n";
 
 TEST_F(CreateEstimator, FindsTheModelBesideTheFile) {
   EXPECT_EQ(create(kForest)->convention().name, "nyu14");
@@ -44,11 +45,11 @@ TEST_F(CreateEstimator, FindsTheModelBesideTheFile) {
 }
 
 TEST_F(CreateEstimator, NamesWhatIsWrong) {
-  EXPECT_THAT(fault("model = \"models/small.h5\""), AllOf(HasSubstr("p.toml"), HasSubstr("method")));
+  EXPECT_THAT(fault("model = \"models/small.model\""), AllOf(HasSubstr("p.toml"), HasSubstr("method")));
   EXPECT_THAT(fault("method = \"forest\""), AllOf(HasSubstr("p.toml"), HasSubstr("model")));
   EXPECT_THAT(fault("method = \"oracle\"\nmodel = \"x\""),
               AllOf(HasSubstr("p.toml"), HasSubstr("oracle"), HasSubstr("forest")));
-  EXPECT_THAT(fault("method = \"forest\"\nmodel = \"none.h5\""), HasSubstr("none.h5"));
+  EXPECT_THAT(fault("method = \"forest\"\nmodel = \"none.model\""), HasSubstr("none.model"));
   EXPECT_THAT(fault(kForest + "modle = \"x\""), AllOf(HasSubstr("p.toml"), HasSubstr("modle")));
   EXPECT_THAT(fault(kForest + "patch_size_px = 96"), AllOf(HasSubstr("p.toml:3"), HasSubstr("12 x 12")));
   EXPECT_THAT(fault(kForest + "convention = \"icg20\""), AllOf(HasSubstr("icg20"), HasSubstr("nyu14")));

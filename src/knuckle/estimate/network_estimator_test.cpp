@@ -4,7 +4,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/net/net_testing.h"
-#include "knuckle/net/network_file_testing.h"
+#include "knuckle/net/network_file.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -67,9 +67,7 @@ TEST(NetworkEstimator, ChecksItsOptions) {
 
 class CreateNetworkEstimator : public ::testing::Test {
  protected:
-  CreateNetworkEstimator() {
-    testing::write_network(folder_ / "small.pt", random_weights(small_network(), 1));
-  }
+  CreateNetworkEstimator() { save_network_weights(folder_ / "small.pt", random_weights(small_network(), 1)); }
 
   std::unique_ptr<Estimator> create(const std::string& toml) const {
     write_text_file(folder_ / "p.toml", "model = \"small.pt\"\n" + toml);

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
-#include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 
 namespace {
 
 constexpr std::string_view kFormat = "knuckle-forest";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::string_view kKind = "pose";
 /// Spread of the trees at which the confidence falls to 1 / e, in patch coordinates.
 constexpr float kAgreementScale = 0.1F;
@@ -57,36 +57,25 @@ PoseForestModel checked(PoseForestModel model) {
   return model;
 }
 
-/// A small whole number of a file's attribute.
-int integer_attribute(const Hdf5File& file, std::string_view name) {
-  const double value = file.number_attribute(name);
-  const double most = std::numeric_limits<std::uint16_t>::max();
-  if (!(value >= 0.0 && value <= most)) {
-    fail("{}: {} is {}, expected a number in [0, {}]", file.path().string(), name, value, most);
-  }
-  return static_cast<int>(value);
-}
-
-PatchStatistics read_statistics(const Hdf5File& file) {
+PatchStatistics read_statistics(const ModelFile& file) {
   PatchStatistics statistics;
-  statistics.size_px = integer_attribute(file, "patch_size_px");
+  statistics.size_px = file.integer("patch_size_px", 0, limits::kImageSide);
   if (!file.has("patch_mean")) return statistics;
-  const Hdf5Array<float> mean = file.read<float>("patch_mean");
+  const ModelArray<float> mean = file.read<float>("patch_mean");
   const auto size = static_cast<std::uint64_t>(statistics.size_px);
   if (mean.shape != std::vector<std::uint64_t>{size, size}) {
-    fail("{}: patch_mean has {} values, expected {} x {}", file.path().string(), mean.values.size(), size,
-         size);
+    fail("{}: patch_mean has {} values, expected {} x {}", file.origin(), mean.values.size(), size, size);
   }
   statistics.mean = Image<float>(statistics.size_px, statistics.size_px);
   std::ranges::copy(mean.values, statistics.mean.pixels().begin());
   return statistics;
 }
 
-Convention read_convention(const Hdf5File& file) {
+Convention read_convention(const ModelFile& file) {
   try {
-    return convention_from_name(file.text_attribute("convention"));
+    return convention_from_name(file.text("convention"));
   } catch (const Error& error) {
-    fail("{}: {}", file.path().string(), error.what());
+    fail("{}: {}", file.origin(), error.what());
   }
 }
 
@@ -106,20 +95,16 @@ std::vector<float> target_scale(const PoseForestModel& model) {
 void save(const std::filesystem::path& path, const PoseForestModel& model,
           const std::optional<LeafCoding>& coding) {
   check(model, path.string());
-  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    Hdf5File file = Hdf5File::create(temporary);
-    file.set_attribute("format", kFormat);
-    file.set_attribute("version", double{kVersion});
-    file.set_attribute("kind", kKind);
-    file.set_attribute("convention", model.convention.name);
-    file.set_attribute("patch_size_px", double(model.statistics.size_px));
-    if (const Image<float>& mean = model.statistics.mean; !mean.empty()) {
-      const auto size = static_cast<std::uint64_t>(model.statistics.size_px);
-      file.write("patch_mean", {size, size}, mean.data());
-    }
-    write_forest(file, model.forest, coding);
-    file.close();
-  });
+  ModelWriter file(kFormat, kVersion);
+  file.set("kind", kKind);
+  file.set("convention", model.convention.name);
+  file.set("patch_size_px", model.statistics.size_px);
+  if (const Image<float>& mean = model.statistics.mean; !mean.empty()) {
+    const auto size = static_cast<std::uint64_t>(model.statistics.size_px);
+    file.add<float>("patch_mean", {size, size}, mean.pixels());
+  }
+  write_forest(file, model.forest, coding);
+  file.save(path);
 }
 
 }  // namespace
@@ -133,9 +118,9 @@ void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& 
 }
 
 PoseForestModel load_pose_forest(const std::filesystem::path& path) {
-  const Hdf5File file = Hdf5File::open(path);
+  const ModelFile file = ModelFile::open(path);
   file.require_format(kFormat, kVersion);
-  const std::string kind = file.text_attribute("kind");
+  const std::string kind = file.text("kind");
   if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", path.string(), kind, kKind);
   PoseForestModel model{read_convention(file), read_statistics(file), read_forest(file)};
   check(model, path.string());

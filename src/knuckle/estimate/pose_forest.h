@@ -21,7 +21,8 @@ struct PoseForestModel {
   RegressionForest forest;
 };
 
-/// Writes the model as a `.h5` file of format "knuckle-forest", version 1; it appears only when whole.
+/// Writes the model as a file (storage/model_file.h) of format "knuckle-forest", version 2; it appears only
+/// when whole.
 void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& model);
 /// The same in less room: leaves in steps of `leaf_step` (above 0; in units of u and v, half the patch) along
 /// their principal components, see LeafCoding.

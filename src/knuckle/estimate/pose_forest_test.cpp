@@ -8,12 +8,13 @@
 #include "knuckle/estimate/estimate_testing.h"
 #include "knuckle/prepare/train_pose_forest.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
 
 using ::testing::AllOf;
+using testing::change_model;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::kTestPatchSize;
@@ -87,9 +88,9 @@ TEST(PoseForestModel, SavedAndLoadedAnswersTheSame) {
   const TemporaryFolder folder;
   PoseForestModel model = made_up_model(convention());
   model.statistics.mean = Image<float>(kTestPatchSize, kTestPatchSize, 0.25F);
-  save_pose_forest(folder / "m.h5", model);
+  save_pose_forest(folder / "m.model", model);
   const PoseForestEstimator before(model);
-  const PoseForestEstimator after(load_pose_forest(folder / "m.h5"));
+  const PoseForestEstimator after(load_pose_forest(folder / "m.model"));
   EXPECT_EQ(after.convention(), convention());
   EXPECT_EQ(after.patches().statistics().mean, model.statistics.mean);
   for (std::uint64_t i = 5000; i < 5050; ++i) {
@@ -114,72 +115,83 @@ class PoseForestFile : public ::testing::Test {
     return error_of([this] { load_pose_forest(path_); });
   }
 
+  /// Sets the first value of an array.
+  template <class T>
+  void change_value(const std::string& array, T value) const {
+    ModelArray<T> changed = ModelFile::open(path_).read<T>(array);
+    changed.values[0] = value;
+    change_model(path_, [&](ModelWriter& model) { model.add(array, changed.shape, changed.values); });
+  }
+
   TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_ / "model.h5";
+  std::filesystem::path path_ = folder_ / "forest.model";
 };
 
 TEST_F(PoseForestFile, OfAnotherVersionIsRefused) {
-  Hdf5File file = Hdf5File::open_for_writing(path_);
-  file.set_attribute("version", 2.0);
-  file.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("version")));
+  change_model(path_, [](ModelWriter& model) { model.set_format("knuckle-forest", 3); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("version")));
 }
 
 TEST_F(PoseForestFile, OfAnotherKindOrFormatIsRefused) {
-  Hdf5File file = Hdf5File::open_for_writing(path_);
-  file.set_attribute("kind", "segmentation");
-  file.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("segmentation")));
-  Hdf5File other = Hdf5File::open_for_writing(path_);
-  other.set_attribute("format", "knuckle-body");
-  other.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("knuckle-body")));
+  change_model(path_, [](ModelWriter& model) { model.set("kind", "segmentation"); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("segmentation")));
+  change_model(path_, [](ModelWriter& model) { model.set_format("knuckle-body", 2); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("knuckle-body")));
 }
 
 TEST_F(PoseForestFile, CutShortForeignOrMissingIsRefused) {
   const auto size = std::filesystem::file_size(path_);
   for (const double part : {0.99, 0.5, 0.02}) {
     std::filesystem::resize_file(path_, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
-    EXPECT_THAT(fault(), HasSubstr("model.h5")) << part;
+    EXPECT_THAT(fault(), HasSubstr("forest.model")) << part;
   }
   write_text_file(path_, "this is not a forest");
-  EXPECT_THAT(fault(), HasSubstr("model.h5"));
+  EXPECT_THAT(fault(), HasSubstr("forest.model"));
   std::filesystem::remove(path_);
-  EXPECT_THAT(fault(), HasSubstr("model.h5"));
+  EXPECT_THAT(fault(), HasSubstr("forest.model"));
 }
 
 TEST_F(PoseForestFile, OfAnUnknownConventionOrPatchSizeIsRefused) {
-  Hdf5File file = Hdf5File::open_for_writing(path_);
-  file.set_attribute("patch_size_px", 96.0);
-  file.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("96 x 96")));
-  Hdf5File other = Hdf5File::open_for_writing(path_);
-  other.set_attribute("patch_size_px", double{kTestPatchSize});
-  other.set_attribute("convention", "octopus8");
-  other.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("octopus8")));
-  Hdf5File third = Hdf5File::open_for_writing(path_);
-  third.set_attribute("convention", "icvl16");
-  third.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("16 landmarks of icvl16")));
+  change_model(path_, [](ModelWriter& model) { model.set("patch_size_px", 96.0); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("96 x 96")));
+  change_model(path_, [](ModelWriter& model) {
+    model.set("patch_size_px", double{kTestPatchSize});
+    model.set("convention", "octopus8");
+  });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("octopus8")));
+  change_model(path_, [](ModelWriter& model) { model.set("convention", "icvl16"); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("16 landmarks of icvl16")));
 }
 
 TEST_F(PoseForestFile, WithANumberThatIsNotFiniteIsRefused) {
-  Hdf5File file = Hdf5File::open_for_writing(path_);
-  const float not_finite = std::nanf("");
-  file.write_rows("leaf_offset", 0, 1, &not_finite);
-  file.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("model.h5"), HasSubstr("not finite")));
+  change_value("leaf_offset", std::nanf(""));
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("not finite")));
+}
+
+TEST_F(PoseForestFile, WithAChildOrAFeatureOutOfRangeIsRefused) {
+  change_value<std::uint16_t>("node_first", 65535);
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("reads a feature beyond")));
+  save_pose_forest(path_, made_up_model(convention()));
+  change_value<std::uint8_t>("node_is_leaf", 1);
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("leads nowhere")));
+  save_pose_forest(path_, made_up_model(convention()));
+  change_value<std::uint32_t>("tree_root", 7);
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("no first tree")));
+}
+
+TEST_F(PoseForestFile, WhoseLeavesOverflowIsRefused) {
+  change_value("leaf_step", 3e38F);
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("not finite")));
 }
 
 TEST_F(PoseForestFile, ThatCannotBeWrittenLeavesNothing) {
-  const std::filesystem::path nowhere = folder_ / "no_such_folder" / "model.h5";
+  const std::filesystem::path nowhere = folder_ / "no_such_folder" / "forest.model";
   EXPECT_THAT(error_of([&] { save_pose_forest(nowhere, made_up_model(convention())); }),
               HasSubstr("no_such_folder"));
   PoseForestModel wrong = made_up_model(convention());
   wrong.statistics.whitening = {1.0F};
-  EXPECT_THAT(error_of([&] { save_pose_forest(folder_ / "w.h5", wrong); }), HasSubstr("no whitening"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "w.h5"));
+  EXPECT_THAT(error_of([&] { save_pose_forest(folder_ / "w.model", wrong); }), HasSubstr("no whitening"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "w.model"));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class CheckModelTest : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path dense_ = resource_path("models/dense.pt");
-  std::filesystem::path forest_ = resource_path("models/pose_forest.h5");
+  std::filesystem::path forest_ = resource_path("models/pose_forest.model");
 };
 
 TEST_F(CheckModelTest, TheShippedModelsAreWhatTheirConfigurationsMake) {
@@ -60,12 +60,12 @@ TEST_F(CheckModelTest, NamesWhatDiffers) {
 
 TEST_F(CheckModelTest, NamesAFileOfAnotherKind) {
   EXPECT_THAT(fault("network", resource_path("pipelines/train_dense.toml"), forest_),
-              HasSubstr("pose_forest.h5"));
+              HasSubstr("pose_forest.model"));
   EXPECT_THAT(fault("pose-forest", resource_path("pipelines/train_pose_forest.toml"), dense_),
               HasSubstr("dense.pt"));
   EXPECT_THAT(
       fault("segmentation-forest", resource_path("pipelines/train_segmentation_forest.toml"), forest_),
-      HasSubstr("pose_forest.h5"));
+      HasSubstr("pose_forest.model"));
   EXPECT_THAT(fault("network", resource_path("pipelines/train_dense.toml"), folder_ / "none.pt"),
               HasSubstr("none.pt"));
 }

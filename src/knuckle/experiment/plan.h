@@ -42,10 +42,10 @@ struct PlannedMethod {
 ///     title = "Creative GestureCam"
 ///     source = "synthetic:../manifests/test_creative.toml"
 ///     [[model]]
-///     file = "pose_forest.h5"
+///     file = "pose_forest.model"
 ///     kind = "pose-forest"
 ///     config = "../pipelines/train_pose_forest.toml"
-///     trained = "../models/pose_forest.h5"           # optional: used instead of training
+///     trained = "../models/pose_forest.model"           # optional: used instead of training
 ///     [[segmentation]]
 ///     name = "mean shift"
 ///     pipeline = "scia15/mean_shift.toml"

@@ -28,7 +28,7 @@ class PlanTest : public ::testing::Test {
 TEST_F(PlanTest, PathsStartAtThePlan) {
   const ExperimentPlan plan =
       load(std::string(kSequence) +
-           "[[model]]\nfile = \"m.h5\"\nkind = \"pose-forest\"\nconfig = \"../c.toml\"\n"
+           "[[model]]\nfile = \"m.model\"\nkind = \"pose-forest\"\nconfig = \"../c.toml\"\n"
            "[[estimation]]\nname = \"forest\"\npipeline = \"p/forest.toml\"\n");
   const std::filesystem::path base = std::filesystem::path(folder_ / "plan.toml").parent_path();
   EXPECT_EQ(plan.name, "plan");
@@ -48,11 +48,11 @@ TEST_F(PlanTest, NamesTheFault) {
   faults(std::string(kSequence) + std::string(kSequence), "\"one\" stands twice");
   faults(std::string(kSequence) + "colour = 1\n", "colour");
   faults("[[sequence]]\nname = \"one\"\n", "source");
-  faults(std::string(kSequence) + "[[model]]\nfile = \"m.h5\"\nkind = \"pose-forest\"\n", "config");
-  faults(std::string(kSequence) + "[[model]]\nfile = \"m.h5\"\nkind = \"tree\"\nconfig = \"c\"\n",
+  faults(std::string(kSequence) + "[[model]]\nfile = \"m.model\"\nkind = \"pose-forest\"\n", "config");
+  faults(std::string(kSequence) + "[[model]]\nfile = \"m.model\"\nkind = \"tree\"\nconfig = \"c\"\n",
          "segmentation-forest");
-  faults(std::string(kSequence) + "[[model]]\nfile = \"a/m.h5\"\nkind = \"network\"\nconfig = \"c\"\n",
-         "\"a/m.h5\" is not a name for a file");
+  faults(std::string(kSequence) + "[[model]]\nfile = \"a/m.model\"\nkind = \"network\"\nconfig = \"c\"\n",
+         "\"a/m.model\" is not a name for a file");
   faults("[[sequence]]\nname = \"..\"\nsource = \"folder:set\"\n", "\"..\" is not a name for a file");
   faults("[[sequence]]\nname = \"models\"\nsource = \"folder:set\"\n", "a folder of the experiment itself");
   faults("convention = \"abc\"\n" + std::string(kSequence), "convention");

@@ -89,8 +89,8 @@ TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
 }
 
 TEST_F(StepTest, NamesAMissingInput) {
-  EXPECT_THAT([&] { Inputs().add_content("model", folder_ / "none.h5"); },
-              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("none.h5")));
+  EXPECT_THAT([&] { Inputs().add_content("model", folder_ / "none.model"); },
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("none.model")));
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ using ::testing::HasSubstr;
 
 TEST(TrainingRecordTest, AForestHasItsTimeAlone) {
   const TemporaryFolder folder;
-  write_trained_record(folder / "forest.h5", 12.5);
-  const TrainingRecord record = read_training_record(folder / "forest.h5");
-  EXPECT_EQ(record.model, "forest.h5");
+  write_trained_record(folder / "forest.model", 12.5);
+  const TrainingRecord record = read_training_record(folder / "forest.model");
+  EXPECT_EQ(record.model, "forest.model");
   EXPECT_TRUE(record.given.empty());
   EXPECT_EQ(record.seconds, 12.5);
   EXPECT_FALSE(record.samples);

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/forest/tree_grower.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 
@@ -80,35 +81,28 @@ std::vector<std::size_t> append_nodes(FlatTrees<Feature>& trees, const GrownTree
 
 namespace detail {
 
-constexpr int kForestDeflateLevel = 9;
-constexpr std::uint64_t kNodesPerChunk = 1 << 16;
-
 template <class T>
-void write_rows(Hdf5File& file, const std::string& name, const std::vector<T>& values, std::uint64_t columns,
-                std::uint64_t rows_per_chunk) {
-  std::vector<std::uint64_t> shape{values.size() / columns};
-  if (columns > 1) shape.push_back(columns);
-  file.write(name, shape, values.data(), {std::min(rows_per_chunk, shape[0]), kForestDeflateLevel});
+void write_column(ModelWriter& file, std::string_view name, const std::vector<T>& values) {
+  file.add(name, {values.size()}, values);
 }
 
 /// One value per element.
 template <class T>
-std::vector<T> read_column(const Hdf5File& file, const std::string& name, std::size_t count) {
-  Hdf5Array<T> array = file.read<T>(name);
-  if (array.shape.size() != 1 || array.values.size() != count) {
-    fail("{}: {} has {} values, expected one for each of {} nodes", file.path().string(), name,
-         array.values.size(), count);
+std::vector<T> read_column(const ModelFile& file, const std::string& name, std::size_t count) {
+  if (file.shape(name) != std::vector<std::uint64_t>{count}) {
+    fail("{}: {} is of another shape, expected one value for each of {} nodes", file.origin(), name, count);
   }
+  ModelArray<T> array = file.read<T>(name);
   return std::move(array.values);
 }
 
 /// Writes the columns of features and thresholds of nodes or splits.
 template <class Feature, class Element>
-void write_splits(Hdf5File& file, const std::vector<Element>& elements) {
+void write_splits(ModelWriter& file, const std::vector<Element>& elements) {
   const auto write = [&]<class T>(const std::string& name, T value) {
     std::vector<std::remove_cvref_t<decltype(value(elements[0]))>> column(elements.size());
     std::ranges::transform(elements, column.begin(), value);
-    write_rows(file, name, column, 1, kNodesPerChunk);
+    write_column(file, name, column);
   };
   Feature::for_each_column([&](const char* name, auto member) {
     write(name, [member](const Element& element) { return element.feature.*member; });
@@ -118,7 +112,7 @@ void write_splits(Hdf5File& file, const std::vector<Element>& elements) {
 
 /// Fills them in.
 template <class Feature, class Element>
-void read_splits(const Hdf5File& file, std::vector<Element>& elements) {
+void read_splits(const ModelFile& file, std::vector<Element>& elements) {
   Feature::for_each_column([&](const char* name, auto member) {
     using Value = std::remove_cvref_t<decltype(elements[0].feature.*member)>;
     const std::vector<Value> column = read_column<Value>(file, name, elements.size());
@@ -150,25 +144,32 @@ void link_nodes(FlatTrees<Feature>& trees, const std::vector<std::uint8_t>& is_l
 
 }  // namespace detail
 
+/// Nodes of a forest at most: indices are 32-bit, and `next` has a sign.
+inline constexpr std::int64_t kMostNodes = std::int64_t{1} << 28;
+
 /// Adds the trees to a file, or reads them back (unchecked: check_trees does that). Trees are breadth-first,
 /// so the children of the k-th inner node of a tree are its nodes 2k + 1 and 2k + 2: a flag a node (leaf or
 /// not) holds the whole structure, and compresses well.
 template <class Feature>
-void write_trees(Hdf5File& file, const FlatTrees<Feature>& trees) {
-  file.write("tree_root", {trees.roots.size()}, trees.roots.data());
+void write_trees(ModelWriter& file, const FlatTrees<Feature>& trees) {
+  detail::write_column(file, "tree_root", trees.roots);
   std::vector<std::uint8_t> is_leaf(trees.nodes.size());
   std::ranges::transform(trees.nodes, is_leaf.begin(),
                          [](const auto& node) { return node.next < 0 ? 1 : 0; });
-  detail::write_rows(file, "node_is_leaf", is_leaf, 1, detail::kNodesPerChunk);
+  detail::write_column(file, "node_is_leaf", is_leaf);
   detail::write_splits<Feature>(file, trees.nodes);
 }
 
 /// Reads back what `write_trees` wrote.
 template <class Feature>
-FlatTrees<Feature> read_trees(const Hdf5File& file) {
+FlatTrees<Feature> read_trees(const ModelFile& file) {
   FlatTrees<Feature> trees;
   trees.roots = file.read<std::uint32_t>("tree_root").values;
   const std::vector<std::uint8_t> is_leaf = file.read<std::uint8_t>("node_is_leaf").values;
+  if (std::ssize(trees.roots) > limits::kTrees || std::ssize(is_leaf) > kMostNodes) {
+    fail("{}: a forest of {} trees and {} nodes, expected at most {} and {}", file.origin(),
+         trees.roots.size(), is_leaf.size(), limits::kTrees, kMostNodes);
+  }
   trees.nodes.resize(is_leaf.size());
   detail::read_splits<Feature>(file, trees.nodes);
   detail::link_nodes(trees, is_leaf);

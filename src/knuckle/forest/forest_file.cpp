@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arrays of a forest in HDF5.
+// The arrays of a forest in a model's file.
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,40 +12,39 @@ namespace knuckle {
 
 namespace {
 
-constexpr std::uint64_t kLeavesPerChunk = 1 << 10;
-
 template <class Code>
-LeafTable::Codes read_codes(const Hdf5File& file, std::size_t columns) {
-  Hdf5Array<Code> array = file.read<Code>("leaf_value");
-  if (array.values.size() % columns != 0 || (array.shape.size() == 2 && array.shape[1] != columns)) {
-    fail("{}: leaf_value has no rows of {} values", file.path().string(), columns);
+LeafTable::Codes read_codes(const ModelFile& file, std::size_t columns) {
+  const std::vector<std::uint64_t>& shape = file.shape("leaf_value");
+  if (shape.size() != 2 || shape[1] != columns) {
+    fail("{}: leaf_value does not have rows of {} values", file.origin(), columns);
   }
-  return std::move(array.values);
+  return file.read<Code>("leaf_value").values;
 }
 
+constexpr int kMostFeatures = 1 << 16;  // nodes name them with 16 bits
 constexpr std::string_view kComponents = "leaf_component";
 constexpr int kCodedLeafBits = 8;
 
-LeafTable read_coded_leaves(const Hdf5File& file) {
+LeafTable read_coded_leaves(const ModelFile& file) {
   CodedLeaves coded;
-  coded.step = static_cast<float>(file.number_attribute("leaf_code_step"));
+  coded.step = static_cast<float>(file.number("leaf_code_step"));
   coded.scale = file.read<float>("leaf_scale").values;
   coded.mean = file.read<float>("leaf_mean").values;
   coded.components = file.read<float>(kComponents).values;
   coded.codes = file.read<std::uint16_t>("leaf_code").values;
-  const std::vector<float> values = decoded(coded, file.path().string());
+  const std::vector<float> values = decoded(coded, file.origin());
   return {static_cast<int>(coded.mean.size()), values, kCodedLeafBits};
 }
 
 }  // namespace
 
-LeafTable read_leaves(const Hdf5File& file) {
+LeafTable read_leaves(const ModelFile& file) {
   if (file.has(kComponents)) return read_coded_leaves(file);
   const std::vector<float> offset = file.read<float>("leaf_offset").values;
   const std::vector<float> step = file.read<float>("leaf_step").values;
-  const std::string origin = file.path().string();
+  const std::string& origin = file.origin();
   if (offset.empty()) fail("{}: leaf_offset is empty, expected a value per target", origin);
-  const auto bits = static_cast<int>(file.number_attribute("leaf_bits"));
+  const int bits = file.integer("leaf_bits", 8, 32);
   switch (bits) {
     case 8:
       return {offset, step, read_codes<std::uint8_t>(file, offset.size()), origin};
@@ -58,32 +57,33 @@ LeafTable read_leaves(const Hdf5File& file) {
   }
 }
 
-void write_leaves(Hdf5File& file, const LeafTable& leaves) {
-  file.set_attribute("leaf_bits", leaves.bits());
+void write_leaves(ModelWriter& file, const LeafTable& leaves) {
+  file.set("leaf_bits", leaves.bits());
   const auto columns = static_cast<std::uint64_t>(leaves.dimensions());
-  file.write("leaf_offset", {columns}, leaves.offset().data());
-  file.write("leaf_step", {columns}, leaves.step().data());
+  file.add("leaf_offset", {columns}, leaves.offset());
+  file.add("leaf_step", {columns}, leaves.step());
   std::visit(
-      [&](const auto& codes) { detail::write_rows(file, "leaf_value", codes, columns, kLeavesPerChunk); },
+      [&](const auto& codes) {
+        file.add("leaf_value", {leaves.leaf_count(), columns}, codes);
+      },
       leaves.codes());
 }
 
-void write_leaves(Hdf5File& file, const LeafTable& leaves, const LeafCoding& coding) {
+void write_leaves(ModelWriter& file, const LeafTable& leaves, const LeafCoding& coding) {
   const CodedLeaves codes = coded(leaves, coding);
   const std::uint64_t dimensions = codes.mean.size();
-  file.set_attribute("leaf_code_step", codes.step);
-  file.write("leaf_scale", {dimensions}, codes.scale.data());
-  file.write("leaf_mean", {dimensions}, codes.mean.data());
-  file.write(kComponents, {dimensions, dimensions}, codes.components.data());
-  constexpr std::uint64_t kOneComponent = 1;
-  file.write("leaf_code", {dimensions, leaves.leaf_count()}, codes.codes.data(),
-             {kOneComponent, detail::kForestDeflateLevel});
+  file.set("leaf_code_step", codes.step);
+  file.add("leaf_scale", {dimensions}, codes.scale);
+  file.add("leaf_mean", {dimensions}, codes.mean);
+  file.add(kComponents, {dimensions, dimensions}, codes.components);
+  file.add("leaf_code", {dimensions, leaves.leaf_count()}, codes.codes);
 }
 
-void write_forest(Hdf5File& file, const RegressionForest& forest, const std::optional<LeafCoding>& coding) {
+void write_forest(ModelWriter& file, const RegressionForest& forest,
+                  const std::optional<LeafCoding>& coding) {
   const RegressionForest::Parts& parts = forest.parts();
-  file.set_attribute("feature_count", parts.feature_count);
-  file.set_attribute("feature_step", parts.quantizer.step);
+  file.set("feature_count", parts.feature_count);
+  file.set("feature_step", parts.quantizer.step);
   write_trees(file, parts.trees);
   if (coding) {
     write_leaves(file, parts.leaves, *coding);
@@ -92,13 +92,13 @@ void write_forest(Hdf5File& file, const RegressionForest& forest, const std::opt
   }
 }
 
-RegressionForest read_forest(const Hdf5File& file) {
+RegressionForest read_forest(const ModelFile& file) {
   RegressionForest::Parts parts;
-  parts.feature_count = static_cast<int>(file.number_attribute("feature_count"));
-  parts.quantizer.step = static_cast<float>(file.number_attribute("feature_step"));
+  parts.feature_count = file.integer("feature_count", 1, kMostFeatures);
+  parts.quantizer.step = static_cast<float>(file.number("feature_step"));
   parts.trees = read_trees<PixelPair>(file);
   parts.leaves = read_leaves(file);
-  return {std::move(parts), file.path().string()};
+  return {std::move(parts), file.origin()};
 }
 
 }  // namespace knuckle

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/forest/forest_growth.h"
 
-#include "knuckle/storage/file_io.h"
-
 namespace knuckle {
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& fingerprint,
-                      const std::function<void(Hdf5File&)>& write) {
-  write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    Hdf5File file = Hdf5File::create(temporary);
-    file.set_attribute("format", kCheckpointFormat);
-    file.set_attribute("version", double{kCheckpointVersion});
-    file.set_attribute("fingerprint", fingerprint);
-    write(file);
-    file.close();
-  });
+                      const std::function<void(ModelWriter&)>& write) {
+  ModelWriter file(kCheckpointFormat, kCheckpointVersion);
+  file.set("fingerprint", fingerprint);
+  write(file);
+  file.save(path);
 }
 
 std::filesystem::path tree_checkpoint(const std::filesystem::path& checkpoint) {
@@ -28,11 +22,11 @@ void remove_checkpoint(const std::filesystem::path& checkpoint) {
   std::filesystem::remove(tree_checkpoint(checkpoint));
 }
 
-std::optional<Hdf5File> open_checkpoint(const std::filesystem::path& path, const std::string& fingerprint) {
+std::optional<ModelFile> open_checkpoint(const std::filesystem::path& path, const std::string& fingerprint) {
   if (path.empty() || !std::filesystem::exists(path)) return std::nullopt;
-  Hdf5File file = Hdf5File::open(path);
+  ModelFile file = ModelFile::open(path);
   file.require_format(kCheckpointFormat, kCheckpointVersion);
-  if (file.text_attribute("fingerprint") != fingerprint) {
+  if (file.text("fingerprint") != fingerprint) {
     fail("{}: this checkpoint belongs to a training with other options or samples; remove it to start anew",
          path.string());
   }

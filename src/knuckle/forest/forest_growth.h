@@ -16,7 +16,7 @@
 #include "knuckle/core/progress.h"
 #include "knuckle/forest/flat_trees.h"
 #include "knuckle/forest/tree_grower.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 
@@ -37,15 +37,15 @@ struct TrainingRun {
 /// What a checkpoint calls itself.
 inline constexpr std::string_view kCheckpointFormat = "knuckle-forest-checkpoint";
 /// The version of checkpoints that is written and read.
-inline constexpr int kCheckpointVersion = 2;
+inline constexpr int kCheckpointVersion = 3;
 
 /// Writes a checkpoint, atomically; `write` adds the trees.
 void write_checkpoint(const std::filesystem::path& path, const std::string& fingerprint,
-                      const std::function<void(Hdf5File&)>& write);
+                      const std::function<void(ModelWriter&)>& write);
 
 /// Opens one; nothing where the file is missing or `path` is empty. Throws an Error where it is none, or of
 /// another fingerprint.
-std::optional<Hdf5File> open_checkpoint(const std::filesystem::path& path, const std::string& fingerprint);
+std::optional<ModelFile> open_checkpoint(const std::filesystem::path& path, const std::string& fingerprint);
 
 /// Where the splits of the tree that is being grown lie.
 std::filesystem::path tree_checkpoint(const std::filesystem::path& checkpoint);
@@ -66,8 +66,8 @@ class TreeCheckpoint {
 
   /// The splits that a stopped run left of this tree. One of an earlier tree is of no use: that tree is done.
   SplitLog<Feature> load() const {
-    const std::optional<Hdf5File> file = open_checkpoint(path_, fingerprint_);
-    if (!file || file->number_attribute("tree") != static_cast<double>(tree_)) return {};
+    const std::optional<ModelFile> file = open_checkpoint(path_, fingerprint_);
+    if (!file || file->number("tree") != static_cast<double>(tree_)) return {};
     const std::vector<float> gain = file->read<float>("node_gain").values;
     SplitLog<Feature> log(gain.size());
     for (std::size_t i = 0; i < gain.size(); ++i) log[i].gain = gain[i];
@@ -83,11 +83,11 @@ class TreeCheckpoint {
   /// Writes the splits, where there are any and a place for them.
   void write(const SplitLog<Feature>& log) {
     if (path_.empty() || log.empty()) return;
-    write_checkpoint(path_, fingerprint_, [&](Hdf5File& file) {
-      file.set_attribute("tree", static_cast<double>(tree_));
+    write_checkpoint(path_, fingerprint_, [&](ModelWriter& file) {
+      file.set("tree", static_cast<double>(tree_));
       std::vector<float> gain;
       for (const NodeSplit<Feature>& split : log) gain.push_back(split.gain);
-      detail::write_rows(file, "node_gain", gain, 1, detail::kNodesPerChunk);
+      detail::write_column(file, "node_gain", gain);
       detail::write_splits<Feature>(file, log);
     });
     written_ = Clock::now();

@@ -123,7 +123,7 @@ RegressionForest train_regression_forest(const TrainingSamples& samples,
   const auto append = [&](const Tree& tree) {
     append_tree(parts, samples, tree);
     if (run.checkpoint.empty()) return;
-    write_checkpoint(run.checkpoint, fingerprint, [&](Hdf5File& file) {
+    write_checkpoint(run.checkpoint, fingerprint, [&](ModelWriter& file) {
       write_forest(file, RegressionForest(parts, run.checkpoint.string()));
     });
   };

@@ -177,18 +177,18 @@ TEST(TrainRegressionForest, GoesOnFromACheckpoint) {
     trees_done = trees;
     if (trees == 2) throw Error("stopped");
   };
-  const TrainingRun stopped{.checkpoint = folder / "c.h5", .tree_done = stop_at_second};
+  const TrainingRun stopped{.checkpoint = folder / "c.model", .tree_done = stop_at_second};
   EXPECT_EQ(error_of([&] { train_regression_forest(samples, options, stopped); }), "stopped");
-  EXPECT_TRUE(std::filesystem::exists(folder / "c.h5"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "c.model"));
 
   RegressionForestOptions others = options;
   others.tree.seed = 9;
-  const TrainingRun resumed{.checkpoint = folder / "c.h5", .tree_done = [&](int) { ++trees_done; }};
+  const TrainingRun resumed{.checkpoint = folder / "c.model", .tree_done = [&](int) { ++trees_done; }};
   EXPECT_THAT(error_of([&] { train_regression_forest(samples, others, resumed); }),
-              AllOf(HasSubstr("c.h5"), HasSubstr("other options")));
+              AllOf(HasSubstr("c.model"), HasSubstr("other options")));
   expect_same(whole, train_regression_forest(samples, options, resumed));
   EXPECT_EQ(trees_done, 3);
-  EXPECT_FALSE(std::filesystem::exists(folder / "c.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "c.model"));
 }
 
 TEST(TrainRegressionForest, ACheckpointOfOtherWeightsOrSamplesIsRefused) {
@@ -212,11 +212,11 @@ TEST(TrainRegressionForest, ACheckpointOfOtherWeightsOrSamplesIsRefused) {
 
 TEST(TrainRegressionForest, RefusesAForeignCheckpoint) {
   const TemporaryFolder folder;
-  std::ofstream(folder / "c.h5") << "no checkpoint";
-  const TrainingRun run{.checkpoint = folder / "c.h5"};
+  std::ofstream(folder / "c.model") << "no checkpoint";
+  const TrainingRun run{.checkpoint = folder / "c.model"};
   const TrainingSamples samples = RandomRows(10, 3, 2).samples();
   EXPECT_THAT(error_of([&] { train_regression_forest(samples, small_regression_options(), run); }),
-              HasSubstr("c.h5"));
+              HasSubstr("c.model"));
 }
 
 }  // namespace

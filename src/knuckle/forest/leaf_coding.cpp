@@ -84,6 +84,7 @@ std::vector<float> decoded(const CodedLeaves& coded, const std::string& origin) 
   RowMatrix values = lengths.transpose() * RowView(coded.components.data(), rows, rows);
   values.rowwise() += Eigen::Map<const Eigen::RowVectorXf>(coded.mean.data(), rows);
   values.array().rowwise() /= Eigen::Map<const Eigen::RowVectorXf>(coded.scale.data(), rows).array();
+  if (!values.allFinite()) fail("{}: a leaf value is not finite", origin);
   return {values.data(), values.data() + values.size()};
 }
 

@@ -8,6 +8,7 @@
 #include "knuckle/forest/forest_testing.h"
 #include "knuckle/forest/forest_trainer.h"
 #include "knuckle/forest/regression_forest.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
@@ -72,11 +73,9 @@ TEST(LeafCoding, AForestsFileHoldsIt) {
   options.trees = 2;
   options.tree.splits_per_node = 20;
   const RegressionForest forest = train_regression_forest(rows.samples(), options);
-  const testing::TemporaryFolder folder;
-  Hdf5File file = Hdf5File::create(folder / "a.h5");
-  write_forest(file, forest, LeafCoding{0.001f, std::vector<float>(kTargets, 1.0f)});
-  file.close();
-  const RegressionForest back = read_forest(Hdf5File::open(folder / "a.h5"));
+  const RegressionForest back = read_forest(testing::written_model([&](ModelWriter& file) {
+    write_forest(file, forest, LeafCoding{0.001f, std::vector<float>(kTargets, 1.0f)});
+  }));
   constexpr double kOneOf8Bits = 12.0 / 255.0;
   for (const auto& features : rows.features) {
     const auto expected = forest.predict(features).mean;
@@ -94,13 +93,13 @@ TEST(LeafCoding, RefusesWhatDoesNotFit) {
   const CodedLeaves good = coded(leaves, {0.1f, ones});
   CodedLeaves bad = good;
   bad.components.pop_back();
-  EXPECT_THAT(error_of([&] { decoded(bad, "a.h5"); }), HasSubstr("a.h5: the parts"));
+  EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a.model: the parts"));
   bad = good;
   bad.mean[0] = NAN;
-  EXPECT_THAT(error_of([&] { decoded(bad, "a.h5"); }), HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("not finite"));
   bad = good;
   bad.scale[1] = 0.0f;
-  EXPECT_THAT(error_of([&] { decoded(bad, "a.h5"); }), HasSubstr("a scale is not above 0"));
+  EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a scale is not above 0"));
 }
 
 }  // namespace

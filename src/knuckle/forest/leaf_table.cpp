@@ -72,8 +72,19 @@ LeafTable::LeafTable(std::vector<float> offset, std::vector<float> step, Codes c
         if (values.size() % offset_.size() != 0) {
           fail("{}: {} leaf values are no whole rows of {}", origin, values.size(), offset_.size());
         }
-        if constexpr (std::is_same_v<std::decay_t<decltype(values)>, std::vector<float>>) {
+        using Code = typename std::decay_t<decltype(values)>::value_type;
+        if constexpr (std::is_same_v<Code, float>) {
           if (std::ranges::any_of(values, is_bad)) fail("{}: a leaf value is not finite", origin);
+        }
+        float largest = static_cast<float>(std::numeric_limits<Code>::max());
+        if constexpr (std::is_same_v<Code, float>) {
+          largest = 0.0F;
+          for (const float value : values) largest = std::max(largest, std::abs(value));
+        }
+        for (std::size_t d = 0; d < offset_.size(); ++d) {
+          if (is_bad(offset_[d] + step_[d] * largest) || is_bad(offset_[d] - step_[d] * largest)) {
+            fail("{}: a leaf value is not finite", origin);
+          }
         }
       },
       codes_);

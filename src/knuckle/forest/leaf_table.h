@@ -43,15 +43,16 @@ class LeafTable {
   Codes codes_;
 };
 
-class Hdf5File;
+class ModelFile;
+class ModelWriter;
 
 struct LeafCoding;
 
 /// Adds the table to a file as it is, or coded (leaf_coding.h).
-void write_leaves(Hdf5File& file, const LeafTable& leaves);
-void write_leaves(Hdf5File& file, const LeafTable& leaves, const LeafCoding& coding);
+void write_leaves(ModelWriter& file, const LeafTable& leaves);
+void write_leaves(ModelWriter& file, const LeafTable& leaves, const LeafCoding& coding);
 /// Reads it back; coded leaves with 8 bits per value. Throws an Error that names the file where something is
 /// missing or does not fit together.
-LeafTable read_leaves(const Hdf5File& file);
+LeafTable read_leaves(const ModelFile& file);
 
 }  // namespace knuckle

@@ -38,16 +38,16 @@ TEST(LeafTable, RefusesPartsThatDoNotFit) {
   const std::vector<float> one{1.0F};
   EXPECT_THAT(error_of([] { LeafTable(2, kValues, 12); }), HasSubstr("12 bits"));
   EXPECT_THAT(error_of([&] {
-                LeafTable({0.0F, 0.0F}, one, std::vector<float>{}, "a.h5");
+                LeafTable({0.0F, 0.0F}, one, std::vector<float>{}, "a.model");
               }),
-              HasSubstr("a.h5"));
+              HasSubstr("a.model"));
   EXPECT_THAT(error_of([&] {
-                LeafTable({0.0F, 0.0F}, {1.0F, 1.0F}, one, "a.h5");
+                LeafTable({0.0F, 0.0F}, {1.0F, 1.0F}, one, "a.model");
               }),
               HasSubstr("no whole rows"));
-  EXPECT_THAT(error_of([&] { LeafTable({0.0F}, one, std::vector<float>{NAN}, "a.h5"); }),
+  EXPECT_THAT(error_of([&] { LeafTable({0.0F}, one, std::vector<float>{NAN}, "a.model"); }),
               HasSubstr("not finite"));
-  EXPECT_THAT(error_of([&] { LeafTable({INFINITY}, one, one, "a.h5"); }), HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { LeafTable({INFINITY}, one, one, "a.model"); }), HasSubstr("not finite"));
 }
 
 }  // namespace

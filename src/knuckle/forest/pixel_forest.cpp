@@ -216,20 +216,20 @@ PixelForest PixelForest::pruned(std::size_t most_leaves) const {
   return {std::move(parts), "pixel forest"};
 }
 
-void write_forest(Hdf5File& file, const PixelForest& forest) {
+void write_forest(ModelWriter& file, const PixelForest& forest) {
   const PixelForest::Parts& parts = forest.parts();
-  file.set_attribute("far_depth_mm", double{kFarDepth});
+  file.set("far_depth_mm", double{kFarDepth});
   write_trees(file, parts.trees);
-  detail::write_rows(file, "leaf_code", parts.leaf_codes, 1, detail::kNodesPerChunk);
+  detail::write_column(file, "leaf_code", parts.leaf_codes);
 }
 
-PixelForest read_pixel_forest(const Hdf5File& file) {
-  const double far = file.number_attribute("far_depth_mm");
-  if (far != kFarDepth) fail("{}: far_depth_mm is {}, expected {}", file.path().string(), far, kFarDepth);
+PixelForest read_pixel_forest(const ModelFile& file) {
+  const double far = file.number("far_depth_mm");
+  if (far != kFarDepth) fail("{}: far_depth_mm is {}, expected {}", file.origin(), far, kFarDepth);
   PixelForest::Parts parts;
   parts.trees = read_trees<OffsetPair>(file);
   parts.leaf_codes = file.read<std::uint8_t>("leaf_code").values;
-  return {std::move(parts), file.path().string()};
+  return {std::move(parts), file.origin()};
 }
 
 }  // namespace knuckle

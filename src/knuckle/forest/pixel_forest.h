@@ -9,7 +9,7 @@
 #include "knuckle/core/image.h"
 #include "knuckle/forest/depth_offsets.h"
 #include "knuckle/forest/flat_trees.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 
@@ -59,8 +59,8 @@ class PixelForest {
 
 /// Adds the forest to a file, or reads it back. The caller writes the file's format and version. Throws an
 /// Error that names the file where something is missing or out of range.
-void write_forest(Hdf5File& file, const PixelForest& forest);
+void write_forest(ModelWriter& file, const PixelForest& forest);
 /// Reads the forest back.
-PixelForest read_pixel_forest(const Hdf5File& file);
+PixelForest read_pixel_forest(const ModelFile& file);
 
 }  // namespace knuckle

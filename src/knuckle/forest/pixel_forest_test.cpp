@@ -7,6 +7,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/forest/forest_testing.h"
 #include "knuckle/forest/pixel_forest_trainer.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
@@ -17,7 +18,7 @@ using testing::BallScene;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::samples_of;
-using testing::TemporaryFolder;
+using testing::written_model;
 
 PixelForest small_pixel_forest() {
   PixelForestOptions options;
@@ -100,12 +101,9 @@ TEST(PixelForest, TakesImagesWithoutMeasurement) {
 }
 
 TEST(PixelForest, SavedAndLoadedAnswersTheSame) {
-  const TemporaryFolder folder;
   const PixelForest forest = small_pixel_forest();
-  Hdf5File file = Hdf5File::create(folder / "forest.h5");
-  write_forest(file, forest);
-  file.close();
-  const PixelForest loaded = read_pixel_forest(Hdf5File::open(folder / "forest.h5"));
+  const PixelForest loaded =
+      read_pixel_forest(written_model([&](ModelWriter& file) { write_forest(file, forest); }));
   EXPECT_EQ(loaded.parts().leaf_codes, forest.parts().leaf_codes);
   const BallScene scene(81);
   EXPECT_EQ(loaded.probability(scene.depth_mm, scene.camera),
@@ -117,10 +115,10 @@ TEST(PixelForest, RefusesNodesThatLeadNowhereAndWideOffsets) {
   const auto fault_of = [&](const std::function<void(PixelForest::Parts&)>& damage) {
     PixelForest::Parts parts = good;
     damage(parts);
-    return error_of([&] { PixelForest(parts, "x.h5"); });
+    return error_of([&] { PixelForest(parts, "x.model"); });
   };
   EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].next = 0; }),
-              AllOf(HasSubstr("x.h5"), HasSubstr("leads nowhere")));
+              AllOf(HasSubstr("x.model"), HasSubstr("leads nowhere")));
   EXPECT_THAT(fault_of([](auto& p) { p.leaf_codes.pop_back(); }), HasSubstr("leads nowhere"));
   EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].feature.second_y = 4001; }),
               HasSubstr("offset of 4001 mm"));
@@ -128,19 +126,16 @@ TEST(PixelForest, RefusesNodesThatLeadNowhereAndWideOffsets) {
 }
 
 TEST(PixelForest, RefusesFilesOfWhichAPartIsWrong) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder / "bad.h5";
-  Hdf5File file = Hdf5File::create(path);
-  write_forest(file, small_pixel_forest());
-  file.set_attribute("far_depth_mm", 5000.0);
-  file.close();
-  EXPECT_THAT(error_of([&] { (void)read_pixel_forest(Hdf5File::open(path)); }),
-              AllOf(HasSubstr("bad.h5"), HasSubstr("far_depth_mm is 5000")));
-  Hdf5File other = Hdf5File::create(path);
-  other.set_attribute("far_depth_mm", 10000.0);
-  other.close();
-  EXPECT_THAT(error_of([&] { (void)read_pixel_forest(Hdf5File::open(path)); }),
-              AllOf(HasSubstr("bad.h5"), HasSubstr("tree_root")));
+  const auto fault_of = [](const std::function<void(ModelWriter&)>& write) {
+    return error_of([&] { (void)read_pixel_forest(written_model(write)); });
+  };
+  EXPECT_THAT(fault_of([](ModelWriter& file) {
+                write_forest(file, small_pixel_forest());
+                file.set("far_depth_mm", 5000.0);
+              }),
+              AllOf(HasSubstr("test.model"), HasSubstr("far_depth_mm is 5000")));
+  EXPECT_THAT(fault_of([](ModelWriter& file) { file.set("far_depth_mm", 10000.0); }),
+              AllOf(HasSubstr("test.model"), HasSubstr("tree_root")));
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ PixelForest train_pixel_forest(const PixelSamples& samples, const PixelForestOpt
   const auto append = [&](const Tree& tree) {
     append_tree(parts, tree, all.labels);
     if (run.checkpoint.empty()) return;
-    write_checkpoint(run.checkpoint, fingerprint, [&](Hdf5File& file) {
+    write_checkpoint(run.checkpoint, fingerprint, [&](ModelWriter& file) {
       write_forest(file, PixelForest(parts, run.checkpoint.string()));
     });
   };

@@ -112,7 +112,7 @@ TEST(TrainPixelForest, GoesOnFromWhereverItWasStopped) {
   ASSERT_GT(nodes_at_call.size(), 10U);
   for (std::size_t stop = 1; stop <= nodes_at_call.size(); stop += 3) {
     std::size_t calls = 0;
-    TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+    TrainingRun run{.checkpoint = folder / "c.model", .checkpoint_interval_s = 0.0};
     run.nodes_done = [&](std::size_t) {
       if (++calls == stop) throw Error("stopped");
     };
@@ -136,7 +136,7 @@ TEST(TrainPixelForest, SurvivesBeingKilled) {
   options.tree.splits_per_node = 400;
   set_thread_count(1);
   const PixelSamples samples = samples_of(ball_scenes(20));
-  const TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+  const TrainingRun run{.checkpoint = folder / "c.model", .checkpoint_interval_s = 0.0};
   int kills = 0;
   for (int attempt = 0; attempt < 12; ++attempt) {
     const pid_t child = ::fork();
@@ -165,7 +165,7 @@ TEST(TrainPixelForest, RefusesACheckpointOfAnotherTraining) {
   const TemporaryFolder folder;
   const PixelSamples samples = samples_of(ball_scenes(5));
   PixelForestOptions options = small_pixel_options();
-  TrainingRun run{.checkpoint = folder / "c.h5", .checkpoint_interval_s = 0.0};
+  TrainingRun run{.checkpoint = folder / "c.model", .checkpoint_interval_s = 0.0};
   run.nodes_done = [](std::size_t nodes) {
     if (nodes > 3) throw Error("stopped");
   };
@@ -173,7 +173,7 @@ TEST(TrainPixelForest, RefusesACheckpointOfAnotherTraining) {
   run.nodes_done = nullptr;
   options.offsets.farthest_offset_mm = 500.0;
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options, run); }),
-              AllOf(HasSubstr("c.h5.tree"), HasSubstr("other options or samples")));
+              AllOf(HasSubstr("c.model.tree"), HasSubstr("other options or samples")));
 }
 
 TEST(TrainPixelForest, RefusesSetsItCannotLearnFrom) {

@@ -12,7 +12,7 @@
 #include "knuckle/forest/leaf_table.h"
 #include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/training_samples.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 
@@ -63,9 +63,9 @@ class RegressionForest {
 /// Adds the forest to a file, its leaves as they are or coded, or reads it back. The caller writes the file's
 /// format and version. Throws an Error that names the file where something is missing, out of range or not
 /// finite.
-void write_forest(Hdf5File& file, const RegressionForest& forest,
+void write_forest(ModelWriter& file, const RegressionForest& forest,
                   const std::optional<LeafCoding>& coding = std::nullopt);
 /// Reads the forest back.
-RegressionForest read_forest(const Hdf5File& file);
+RegressionForest read_forest(const ModelFile& file);
 
 }  // namespace knuckle

@@ -6,6 +6,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/forest/forest_testing.h"
 #include "knuckle/forest/forest_trainer.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::RandomRows;
-using testing::TemporaryFolder;
+using testing::written_model;
 
 RegressionForest small_regression_forest(int leaf_bits = 16) {
   RegressionForestOptions options;
@@ -68,13 +69,10 @@ TEST(RegressionForest, DeviationIsThatOfTheTrees) {
 }
 
 TEST(RegressionForest, SavedAndLoadedAnswersTheSame) {
-  const TemporaryFolder folder;
   for (const int bits : {8, 16, 32}) {
     const RegressionForest forest = small_regression_forest(bits);
-    Hdf5File file = Hdf5File::create(folder / "forest.h5");
-    write_forest(file, forest);
-    file.close();
-    const RegressionForest loaded = read_forest(Hdf5File::open(folder / "forest.h5"));
+    const RegressionForest loaded =
+        read_forest(written_model([&](ModelWriter& file) { write_forest(file, forest); }));
     EXPECT_EQ(loaded.parts().leaves.bits(), bits);
     for (const std::vector<float>& features : RandomRows(100, 30, 1, 99).features) {
       ASSERT_EQ(loaded.leaves_of(features), forest.leaves_of(features));
@@ -88,10 +86,10 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
   const auto fault_of = [&](const std::function<void(RegressionForest::Parts&)>& damage) {
     RegressionForest::Parts parts = good;
     damage(parts);
-    return error_of([&] { RegressionForest(parts, "x.h5"); });
+    return error_of([&] { RegressionForest(parts, "x.model"); });
   };
   EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].next = 0; }),
-              AllOf(HasSubstr("x.h5"), HasSubstr("leads nowhere")));
+              AllOf(HasSubstr("x.model"), HasSubstr("leads nowhere")));
   EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[0].next = static_cast<int>(p.trees.roots[1]); }),
               HasSubstr("leads nowhere"));
   EXPECT_THAT(fault_of([](auto& p) { p.trees.nodes[1].next = ~1000000; }), HasSubstr("leads nowhere"));
@@ -102,22 +100,19 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
 }
 
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder / "bad.h5";
-  const RegressionForest forest = small_regression_forest();
-  Hdf5File file = Hdf5File::create(path);
-  write_forest(file, forest);
-  file.set_attribute("leaf_bits", 12.0);
-  file.close();
-  EXPECT_THAT(error_of([&] { read_forest(Hdf5File::open(path)); }),
-              AllOf(HasSubstr("bad.h5"), HasSubstr("leaf_bits")));
-
-  Hdf5File other = Hdf5File::create(path);
-  other.set_attribute("feature_count", 3.0);
-  other.set_attribute("feature_step", 0.1);
-  other.close();
-  EXPECT_THAT(error_of([&] { read_forest(Hdf5File::open(path)); }),
-              AllOf(HasSubstr("bad.h5"), HasSubstr("tree_root")));
+  const auto fault_of = [](const std::function<void(ModelWriter&)>& write) {
+    return error_of([&] { read_forest(written_model(write)); });
+  };
+  EXPECT_THAT(fault_of([](ModelWriter& file) {
+                write_forest(file, small_regression_forest());
+                file.set("leaf_bits", 12.0);
+              }),
+              AllOf(HasSubstr("test.model"), HasSubstr("leaf_bits")));
+  EXPECT_THAT(fault_of([](ModelWriter& file) {
+                file.set("feature_count", 3.0);
+                file.set("feature_step", 0.1);
+              }),
+              AllOf(HasSubstr("test.model"), HasSubstr("tree_root")));
 }
 
 }  // namespace

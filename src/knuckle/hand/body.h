@@ -36,7 +36,7 @@ struct BodySection {
 };
 
 /// A skinned, morphable mesh, with arrays named after SMPL's and MANO's. Body axes: x to the body's left, y
-/// up, z to the front; lengths in mm. Read from and written to `.h5` by body_file.h.
+/// up, z to the front; lengths in mm. Read and written by body_file.h.
 struct Body {
   static constexpr int kBonesPerVertex = 4;
 

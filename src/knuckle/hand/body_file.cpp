@@ -9,16 +9,13 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
-#include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_file.h"
 
 namespace knuckle {
 namespace {
 
 constexpr std::string_view kFormat = "knuckle-body";
-constexpr int kVersion = 1;
-constexpr int kDeflateLevel = 4;
-constexpr std::uint64_t kRowsPerChunk = 1 << 14;
+constexpr int kVersion = 2;
 
 using Shape = std::vector<std::uint64_t>;
 
@@ -36,12 +33,7 @@ std::vector<float> flattened(const std::vector<Eigen::Vector3f>& points) {
   return values;
 }
 
-template <class T>
-void write_array(Hdf5File& file, const std::string& name, const Shape& shape, const std::vector<T>& values) {
-  file.write<T>(name, shape, values.data(), {kRowsPerChunk, kDeflateLevel});
-}
-
-void write_groups(Hdf5File& file, const std::string& name, std::span<const VertexGroup> groups) {
+void write_groups(ModelWriter& file, const std::string& name, std::span<const VertexGroup> groups) {
   RowStarts rows;
   std::vector<std::int32_t> vertices;
   std::vector<float> weights;
@@ -50,12 +42,12 @@ void write_groups(Hdf5File& file, const std::string& name, std::span<const Verte
     vertices.insert(vertices.end(), group.vertices.begin(), group.vertices.end());
     weights.insert(weights.end(), group.weights.begin(), group.weights.end());
   }
-  write_array(file, name + "_starts", {rows.starts.size()}, rows.starts);
-  write_array(file, name + "_vertices", {vertices.size()}, vertices);
-  write_array(file, name + "_weights", {weights.size()}, weights);
+  file.add(name + "_starts", {rows.starts.size()}, rows.starts);
+  file.add(name + "_vertices", {vertices.size()}, vertices);
+  file.add(name + "_weights", {weights.size()}, weights);
 }
 
-void write_shapedirs(Hdf5File& file, const std::vector<ShapeDirection>& shapedirs) {
+void write_shapedirs(ModelWriter& file, const std::vector<ShapeDirection>& shapedirs) {
   RowStarts rows;
   std::vector<std::string> names;
   std::vector<std::int32_t> vertices;
@@ -66,10 +58,10 @@ void write_shapedirs(Hdf5File& file, const std::vector<ShapeDirection>& shapedir
     vertices.insert(vertices.end(), direction.vertices.begin(), direction.vertices.end());
     offsets.insert(offsets.end(), direction.offsets_mm.begin(), direction.offsets_mm.end());
   }
-  file.write_texts("shapedirs_names", names);
-  write_array(file, "shapedirs_starts", {rows.starts.size()}, rows.starts);
-  write_array(file, "shapedirs_vertices", {vertices.size()}, vertices);
-  write_array(file, "shapedirs_offsets", {offsets.size(), 3}, flattened(offsets));
+  file.set("shapedirs_names", names);
+  file.add("shapedirs_starts", {rows.starts.size()}, rows.starts);
+  file.add("shapedirs_vertices", {vertices.size()}, vertices);
+  file.add("shapedirs_offsets", {offsets.size(), 3}, flattened(offsets));
 }
 
 /// V x B weights; the file is compressed, zeros cost nothing.
@@ -84,11 +76,9 @@ std::vector<float> dense_weights(const Body& body) {
   return dense;
 }
 
-void write_body(const Body& body, const std::filesystem::path& path) {
-  Hdf5File file = Hdf5File::create(path);
-  file.set_attribute("format", kFormat);
-  file.set_attribute("version", static_cast<double>(kVersion));
-  file.set_attribute("unit", "mm");
+ModelWriter written(const Body& body) {
+  ModelWriter file(kFormat, kVersion);
+  file.set("unit", "mm");
   std::vector<std::int32_t> faces;
   for (const auto& face : body.faces) faces.insert(faces.end(), face.begin(), face.end());
   std::vector<std::int32_t> sections;
@@ -99,31 +89,31 @@ void write_body(const Body& body, const std::filesystem::path& path) {
   landmark_names.reserve(kSupersetSize);
   for (int i = 0; i < kSupersetSize; ++i) landmark_names.emplace_back(name_of(static_cast<Landmark>(i)));
 
-  write_array(file, "v_template", {body.v_template.size(), 3}, flattened(body.v_template));
-  write_array(file, "faces", {body.faces.size(), 3}, faces);
-  write_array(file, "is_hand", {body.is_hand.size()}, body.is_hand);
-  write_array(file, "sections", {body.sections.size(), 2}, sections);
-  write_array(file, "weights", {body.weights.size(), body.names.size()}, dense_weights(body));
-  file.write_texts("names", body.names);
-  write_array(file, "parents", {body.parents.size()}, body.parents);
+  file.add("v_template", {body.v_template.size(), 3}, flattened(body.v_template));
+  file.add("faces", {body.faces.size(), 3}, faces);
+  file.add("is_hand", {body.is_hand.size()}, body.is_hand);
+  file.add("sections", {body.sections.size(), 2}, sections);
+  file.add("weights", {body.weights.size(), body.names.size()}, dense_weights(body));
+  file.set("names", body.names);
+  file.add("parents", {body.parents.size()}, body.parents);
   write_shapedirs(file, body.shapedirs);
   write_groups(file, "joint_regressor", body.joint_regressor);
   write_groups(file, "landmark_regressor", body.landmark_regressor);
-  file.write_texts("landmark_names", landmark_names);
-  write_array(file, "landmark_bones", {body.landmark_bones.size()},
-              std::vector<std::int32_t>(body.landmark_bones.begin(), body.landmark_bones.end()));
-  file.close();
+  file.set("landmark_names", landmark_names);
+  file.add("landmark_bones", {body.landmark_bones.size()},
+           std::vector<std::int32_t>(body.landmark_bones.begin(), body.landmark_bones.end()));
+  return file;
 }
 
 /// Reads arrays of one file and checks their shapes.
 class Reader {
  public:
-  explicit Reader(const Hdf5File& file) : file_(file) {}
+  explicit Reader(const ModelFile& file) : file_(file) {}
 
   /// Values of an array whose shape is `expected`; 0 there stands for any length.
   template <class T>
   std::vector<T> read(const std::string& name, const Shape& expected) const {
-    const Shape shape = file_.shape(name);
+    const Shape& shape = file_.shape(name);
     bool agrees = shape.size() == expected.size();
     for (std::size_t i = 0; agrees && i < shape.size(); ++i)
       agrees = expected[i] == 0 || shape[i] == expected[i];
@@ -131,7 +121,7 @@ class Reader {
     return file_.read<T>(name).values;
   }
 
-  std::vector<std::string> read_texts(const std::string& name) const { return file_.read_texts(name); }
+  std::vector<std::string> read_texts(const std::string& name) const { return file_.texts(name); }
 
   std::vector<Eigen::Vector3f> read_points(const std::string& name, std::uint64_t count) const {
     const auto values = read<float>(name, {count, 3});
@@ -180,7 +170,7 @@ class Reader {
 
   template <class... Arguments>
   [[noreturn]] void fault(fmt::format_string<Arguments...> format, Arguments&&... arguments) const {
-    fail("{}: {}", file_.path().string(), fmt::format(format, std::forward<Arguments>(arguments)...));
+    fail("{}: {}", file_.origin(), fmt::format(format, std::forward<Arguments>(arguments)...));
   }
 
  private:
@@ -197,7 +187,7 @@ class Reader {
     return text;
   }
 
-  const Hdf5File& file_;
+  const ModelFile& file_;
 };
 
 void read_mesh(const Reader& reader, Body& body) {
@@ -253,11 +243,11 @@ void read_landmarks(const Reader& reader, Body& body) {
 
 void save_body(const Body& body, const std::filesystem::path& path) {
   check(body, path.string());
-  write_file_atomically(path, [&](const std::filesystem::path& temporary) { write_body(body, temporary); });
+  written(body).save(path);
 }
 
 Body load_body(const std::filesystem::path& path) {
-  const Hdf5File file = Hdf5File::open(path);
+  const ModelFile file = ModelFile::open(path);
   file.require_format(kFormat, kVersion);
   const Reader reader(file);
   Body body;

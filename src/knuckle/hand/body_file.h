@@ -7,7 +7,8 @@
 
 namespace knuckle {
 
-/// Writes a body as HDF5 (format "knuckle-body", version 1); the file appears only when whole. Arrays, after
+/// Writes a body (storage/model_file.h; format "knuckle-body", version 2); the file appears only when whole.
+/// Arrays, after
 /// SMPL's and MANO's: `v_template` V x 3 [mm], `faces` F x 3, `is_hand` F, `weights` V x B, `names` B,
 /// `parents` B, `sections` S x 2 (vertices, faces). Sparse rows, where row i is entries starts[i] to starts[i
 /// + 1]: `shapedirs_names` K, `shapedirs_starts`, `shapedirs_vertices`, `shapedirs_offsets` N x 3 [mm];

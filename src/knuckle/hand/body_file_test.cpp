@@ -7,7 +7,7 @@
 #include "knuckle/core/text_file.h"
 #include "knuckle/hand/testing_body.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
@@ -35,8 +35,8 @@ std::vector<float> dense_weights(const Body& body) {
 TEST(BodyFileTest, SavedBodyComesBack) {
   const TemporaryFolder folder;
   const Body saved = box_hand_body();
-  save_body(saved, folder / "a.h5");
-  const Body loaded = load_body(folder / "a.h5");
+  save_body(saved, folder / "a.model");
+  const Body loaded = load_body(folder / "a.model");
   EXPECT_EQ(loaded.v_template, saved.v_template);
   EXPECT_EQ(loaded.faces, saved.faces);
   EXPECT_EQ(loaded.is_hand, saved.is_hand);
@@ -60,8 +60,8 @@ TEST(BodyFileTest, BodyWithoutShapesAndSectionsComesBack) {
   Body saved = box_hand_body();
   saved.shapedirs.clear();
   saved.sections.clear();
-  save_body(saved, folder / "a.h5");
-  const Body loaded = load_body(folder / "a.h5");
+  save_body(saved, folder / "a.model");
+  const Body loaded = load_body(folder / "a.model");
   EXPECT_TRUE(loaded.shapedirs.empty());
   EXPECT_TRUE(loaded.sections.empty());
   EXPECT_EQ(loaded.v_template, saved.v_template);
@@ -71,58 +71,38 @@ TEST(BodyFileTest, BadBodyIsNotSaved) {
   const TemporaryFolder folder;
   Body body = box_hand_body();
   body.weights[0] = {0.5f, 0.0f, 0.0f, 0.0f};
-  EXPECT_THAT(error_of([&] { save_body(body, folder / "bad.h5"); }),
-              AllOf(HasSubstr("bad.h5"), HasSubstr("sum to")));
-  EXPECT_FALSE(std::filesystem::exists(folder / "bad.h5"));
+  EXPECT_THAT(error_of([&] { save_body(body, folder / "bad.model"); }),
+              AllOf(HasSubstr("bad.model"), HasSubstr("sum to")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "bad.model"));
 }
 
-/// Loads a file that is a good body but for `replace`, which writes some arrays first; the message.
+/// Loads a file that is a good body but for one change; the message.
 class SpoiledFile {
  public:
-  std::string error_with(const std::string& array, const std::function<void(Hdf5File&)>& replace) const {
-    const std::filesystem::path path = folder_ / "spoiled.h5";
-    save_body(box_hand_body(), folder_ / "good.h5");
-    {
-      const Hdf5File good = Hdf5File::open(folder_ / "good.h5");
-      Hdf5File spoiled = Hdf5File::create(path);
-      spoiled.set_attribute("format", "knuckle-body");
-      spoiled.set_attribute("version", 1.0);
-      for (const char* name : {"names", "shapedirs_names", "landmark_names"}) {
-        if (name != array) spoiled.write_texts(name, good.read_texts(name));
-      }
-      for (const char* name :
-           {"v_template", "faces", "is_hand", "sections", "weights", "parents", "shapedirs_starts",
-            "shapedirs_vertices", "shapedirs_offsets", "joint_regressor_starts", "joint_regressor_vertices",
-            "joint_regressor_weights", "landmark_regressor_starts", "landmark_regressor_vertices",
-            "landmark_regressor_weights", "landmark_bones"}) {
-        if (name == array) continue;
-        const auto values = good.read<double>(name);
-        spoiled.write<double>(name, values.shape, values.values.data());
-      }
-      replace(spoiled);
-      spoiled.close();
-    }
+  SpoiledFile() { save_body(box_hand_body(), folder_ / "good.model"); }
+
+  std::string error_with(const std::function<void(ModelWriter&)>& spoil) const {
+    const std::filesystem::path path = folder_ / "spoiled.model";
+    ModelWriter body = ModelFile::open(folder_ / "good.model").writer();
+    spoil(body);
+    body.save(path);
     std::string message = error_of([&] { load_body(path); });
-    EXPECT_THAT(message, HasSubstr("spoiled.h5"));
+    EXPECT_THAT(message, HasSubstr("spoiled.model"));
     return message;
   }
 
-  /// The same where one value of an array is another.
+  /// The same where one value of an array of T is another.
+  template <class T>
   std::string error_with_value(const std::string& array, std::size_t place, double value) const {
-    return error_with(array, [&](Hdf5File& file) {
-      auto values = Hdf5File::open(folder_ / "good.h5").read<double>(array);
-      values.values[place] = value;
-      file.write<double>(array, values.shape, values.values.data());
-    });
+    ModelArray<T> changed = ModelFile::open(folder_ / "good.model").read<T>(array);
+    changed.values[place] = static_cast<T>(value);
+    return error_with([&](ModelWriter& body) { body.add(array, changed.shape, changed.values); });
   }
 
   std::string error_with_shape(const std::string& array, const std::vector<std::uint64_t>& shape) const {
-    return error_with(array, [&](Hdf5File& file) {
-      std::uint64_t size = 1;
-      for (const std::uint64_t length : shape) size *= length;
-      const std::vector<double> zeros(size, 0.0);
-      file.write<double>(array, shape, zeros.data());
-    });
+    std::uint64_t size = 1;
+    for (const std::uint64_t length : shape) size *= length;
+    return error_with([&](ModelWriter& body) { body.add(array, shape, std::vector<float>(size, 0.0F)); });
   }
 
  private:
@@ -131,68 +111,70 @@ class SpoiledFile {
 
 TEST(BodyFileTest, SpoiledArraysAreNamed) {
   const SpoiledFile file;
-  EXPECT_THAT(file.error_with("faces", [](Hdf5File&) {}), HasSubstr("faces"));
+  EXPECT_THAT(file.error_with([](ModelWriter& body) { body.remove("faces"); }), HasSubstr("faces"));
   EXPECT_THAT(file.error_with_shape("v_template", {5, 2}), HasSubstr("v_template is 5 x 2, expected N x 3"));
   EXPECT_THAT(file.error_with_shape("parents", {3}), HasSubstr("parents is 3"));
   EXPECT_THAT(file.error_with_shape("weights", {7, 7}), HasSubstr("weights is 7 x 7"));
   EXPECT_THAT(file.error_with_shape("is_hand", {1}), HasSubstr("is_hand is 1"));
   EXPECT_THAT(file.error_with_shape("landmark_bones", {21}), HasSubstr("expected 22"));
-  EXPECT_THAT(
-      file.error_with("landmark_names", [](Hdf5File& f) { f.write_texts("landmark_names", {"wrist"}); }),
-      HasSubstr("landmark_names"));
+  EXPECT_THAT(file.error_with(
+                  [](ModelWriter& body) { body.set("landmark_names", std::vector<std::string>{"wrist"}); }),
+              HasSubstr("landmark_names"));
 }
 
 TEST(BodyFileTest, SpoiledValuesAreNamed) {
   const SpoiledFile file;
-  EXPECT_THAT(file.error_with_value("v_template", 4, kNaN),
+  EXPECT_THAT(file.error_with_value<float>("v_template", 4, kNaN),
               HasSubstr("v_template of vertex 1 is not finite"));
-  EXPECT_THAT(file.error_with_value("weights", 0, kNaN), HasSubstr("weights of vertex 0"));
-  EXPECT_THAT(file.error_with_value("weights", 0, 0.4), HasSubstr("weights of vertex 0 sum to 0.4"));
-  EXPECT_THAT(file.error_with_value("parents", 1, 1), HasSubstr("cycle"));
-  EXPECT_THAT(file.error_with_value("parents", 1, 2), HasSubstr("cycle"));
-  EXPECT_THAT(file.error_with_value("faces", 3, 1e6), HasSubstr("face 1 names vertex 1000000"));
-  EXPECT_THAT(file.error_with_value("shapedirs_starts", 1, 1e12), HasSubstr("shapedirs_starts"));
-  EXPECT_THAT(file.error_with_value("shapedirs_starts", 2, 1e12), HasSubstr("shapedirs_vertices"));
-  EXPECT_THAT(file.error_with_value("joint_regressor_starts", 0, -1), HasSubstr("joint_regressor_starts"));
-  EXPECT_THAT(file.error_with_value("joint_regressor_vertices", 0, -4), HasSubstr("lowerarm02.R"));
-  EXPECT_THAT(file.error_with_value("landmark_regressor_weights", 0, 2), HasSubstr("wrist sum to 2"));
-  EXPECT_THAT(file.error_with_value("landmark_bones", 0, 99), HasSubstr("landmark_bones of wrist is 99"));
+  EXPECT_THAT(file.error_with_value<float>("weights", 0, kNaN), HasSubstr("weights of vertex 0"));
+  EXPECT_THAT(file.error_with_value<float>("weights", 0, 0.4), HasSubstr("weights of vertex 0 sum to 0.4"));
+  EXPECT_THAT(file.error_with_value<std::int32_t>("parents", 1, 1), HasSubstr("cycle"));
+  EXPECT_THAT(file.error_with_value<std::int32_t>("parents", 1, 2), HasSubstr("cycle"));
+  EXPECT_THAT(file.error_with_value<std::int32_t>("faces", 3, 1e6), HasSubstr("face 1 names vertex 1000000"));
+  EXPECT_THAT(file.error_with_value<std::int64_t>("shapedirs_starts", 1, 1e12),
+              HasSubstr("shapedirs_starts"));
+  EXPECT_THAT(file.error_with_value<std::int64_t>("shapedirs_starts", 2, 1e12),
+              HasSubstr("shapedirs_vertices"));
+  EXPECT_THAT(file.error_with_value<std::int64_t>("joint_regressor_starts", 0, -1),
+              HasSubstr("joint_regressor_starts"));
+  EXPECT_THAT(file.error_with_value<std::int32_t>("joint_regressor_vertices", 0, -4),
+              HasSubstr("lowerarm02.R"));
+  EXPECT_THAT(file.error_with_value<float>("landmark_regressor_weights", 0, 2), HasSubstr("wrist sum to 2"));
+  EXPECT_THAT(file.error_with_value<std::int32_t>("landmark_bones", 0, 99),
+              HasSubstr("landmark_bones of wrist is 99"));
 }
 
 TEST(BodyFileTest, MoreThanFourBonesAVertexAreRefused) {
   const SpoiledFile file;
   const Body body = box_hand_body();
   const std::size_t bones = body.names.size();
-  const auto message = file.error_with("weights", [&](Hdf5File& spoiled) {
+  const auto message = file.error_with([&](ModelWriter& spoiled) {
     std::vector<float> weights(body.v_template.size() * bones, 0.0f);
     for (std::size_t i = 0; i < weights.size(); i += bones) weights[i] = 1.0f;
     for (std::size_t b = 0; b < 5; ++b) weights[3 * bones + b] = 0.2f;
-    spoiled.write<float>("weights", {body.v_template.size(), bones}, weights.data());
+    spoiled.add("weights", {body.v_template.size(), bones}, weights);
   });
   EXPECT_THAT(message, HasSubstr("weights of vertex 3 name 5 bones"));
 }
 
 TEST(BodyFileTest, ForeignAndDamagedFilesAreRefused) {
   const TemporaryFolder folder;
-  EXPECT_THAT(error_of([&] { load_body(folder / "none.h5"); }), HasSubstr("none.h5"));
-  write_text_file(folder / "text.h5", "no body");
-  EXPECT_THAT(error_of([&] { load_body(folder / "text.h5"); }), HasSubstr("text.h5"));
-  for (const auto& [format, version] : {std::pair{"knuckle-forest", 1.0}, {"knuckle-body", 2.0}}) {
-    Hdf5File other = Hdf5File::create(folder / "other.h5");
-    other.set_attribute("format", format);
-    other.set_attribute("version", version);
-    other.close();
-    EXPECT_THAT(error_of([&] { load_body(folder / "other.h5"); }), HasSubstr("other.h5"));
+  EXPECT_THAT(error_of([&] { load_body(folder / "none.model"); }), HasSubstr("none.model"));
+  write_text_file(folder / "text.model", "no body");
+  EXPECT_THAT(error_of([&] { load_body(folder / "text.model"); }), HasSubstr("text.model"));
+  for (const auto& [format, version] : {std::pair{"knuckle-forest", 2}, {"knuckle-body", 3}}) {
+    ModelWriter(format, version).save(folder / "other.model");
+    EXPECT_THAT(error_of([&] { load_body(folder / "other.model"); }), HasSubstr("other.model"));
   }
 }
 
 TEST(BodyFileTest, TruncatedFilesAreRefusedAtEveryLength) {
   const TemporaryFolder folder;
-  save_body(box_hand_body(), folder / "whole.h5");
-  const std::string bytes = read_text_file(folder / "whole.h5");
+  save_body(box_hand_body(), folder / "whole.model");
+  const std::string bytes = read_text_file(folder / "whole.model");
   for (int percent = 0; percent < 100; percent += 7) {
-    write_text_file(folder / "cut.h5", std::string_view(bytes).substr(0, bytes.size() * percent / 100));
-    EXPECT_THAT(error_of([&] { load_body(folder / "cut.h5"); }), HasSubstr("cut.h5"))
+    write_text_file(folder / "cut.model", std::string_view(bytes).substr(0, bytes.size() * percent / 100));
+    EXPECT_THAT(error_of([&] { load_body(folder / "cut.model"); }), HasSubstr("cut.model"))
         << percent << " percent";
   }
 }

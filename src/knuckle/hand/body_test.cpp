@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 std::string error_after(const std::function<void(Body&)>& spoil) {
   Body body = box_hand_body();
   spoil(body);
-  return error_of([&] { check(body, "a.h5"); });
+  return error_of([&] { check(body, "a.model"); });
 }
 
 TEST(BodyTest, GoodBodyPasses) {
@@ -41,9 +41,9 @@ TEST(BodyTest, BoneIsFoundByName) {
 
 TEST(BodyTest, MessagesNameTheFileAndTheFault) {
   EXPECT_THAT(error_after([](Body& body) { body.v_template.clear(); }),
-              HasSubstr("a.h5: v_template is empty"));
+              HasSubstr("a.model: v_template is empty"));
   EXPECT_THAT(error_after([](Body& body) { body.v_template[7].y() = static_cast<float>(kNaN); }),
-              HasSubstr("a.h5: v_template of vertex 7 is not finite"));
+              HasSubstr("a.model: v_template of vertex 7 is not finite"));
   EXPECT_THAT(error_after([](Body& body) { body.weights[3][0] = 0.9f; }),
               HasSubstr("weights of vertex 3 sum to 1.4"));
   EXPECT_THAT(error_after([](Body& body) {

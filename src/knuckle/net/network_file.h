@@ -9,18 +9,18 @@
 
 namespace knuckle {
 
-// A network's file is a LibTorch archive, but is read without LibTorch: such an archive is a zip in which the
-// bytes of each tensor are a record NAME/data/N as they are. It holds two or three tensors, in this order:
-// the header, a text as bytes; the weights, all arrays of half precision one after another; and the
-// statistics of batch norms in single precision, where there are any.
+// A network's file is a model's (storage/model_file.h): the value `options`, its options as TOML; the array
+// `weights`, all arrays of half precision one after another, as bits; and `norms`, the statistics of batch
+// norms in single precision, where there are any.
 
 /// What a network's file says it is.
 inline constexpr std::string_view kNetworkFormat = "knuckle-network";
 /// The version that is written and read.
-inline constexpr int kNetworkVersion = 2;
+inline constexpr int kNetworkVersion = 3;
 
-/// The header: format, version, a line "PRECISION NAME SHAPE" for each array, "options", and those as TOML.
-std::string network_header(const NetworkOptions& options);
+/// Writes a network, atomically: the same network makes the same bytes. Throws an Error that names the file
+/// where it cannot be written.
+void save_network_weights(const std::filesystem::path& path, const NetworkWeights& weights);
 
 /// Reads a network. Throws an Error that names the file where it is missing, cut short, damaged, foreign, of
 /// another version, does not fit its own options, or holds a number that is not finite.

@@ -6,7 +6,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
-#include "knuckle/net/network_file_testing.h"
+#include "knuckle/net/network_file.h"
 
 namespace knuckle {
 namespace {
@@ -57,7 +57,7 @@ TEST_P(EveryArchitecture, PredictsTheSameOnManyThreads) {
 
 TEST_P(EveryArchitecture, IsTheSameFromItsFile) {
   const testing::TemporaryFolder folder;
-  testing::write_network(folder / "net.pt", random_weights(options(), 4));
+  save_network_weights(folder / "net.pt", random_weights(options(), 4));
   PoseNetwork read(folder / "net.pt");
   EXPECT_EQ(read.options().architecture, GetParam());
   const PoseNetwork moved = std::move(read);

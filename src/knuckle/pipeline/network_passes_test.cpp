@@ -2,7 +2,7 @@
 // A second look is a look around the joints that the first one found.
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
-#include "knuckle/net/network_file_testing.h"
+#include "knuckle/net/network_file.h"
 #include "knuckle/net/pose_network.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/storage/file_io.h"
@@ -38,9 +38,7 @@ ImagePoint mean_of(const HandPose& pose) {
 
 class NetworkPasses : public ::testing::Test {
  protected:
-  NetworkPasses() {
-    testing::write_network(folder_ / "small.pt", random_weights(testing::small_network(), 1));
-  }
+  NetworkPasses() { save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 1)); }
 
   FrameEstimate estimate(int passes) const {
     write_text_file(folder_ / "p.toml", fmt::format("[hand]\nsure_confidence = 0.0\n[estimator]\nmethod = "

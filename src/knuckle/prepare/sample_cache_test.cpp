@@ -10,7 +10,7 @@
 #include "knuckle/core/text_file.h"
 #include "knuckle/prepare/sample_file.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -10,7 +10,7 @@
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/deflate.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -10,12 +10,13 @@
 #include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/segmenter_factory.h"
 #include "knuckle/segment/testing.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/model_testing.h"
 
 namespace knuckle {
 namespace {
 
 using ::knuckle::testing::blank_frame;
+using ::knuckle::testing::change_model;
 using ::knuckle::testing::draw_ball;
 using ::knuckle::testing::draw_rod;
 using ::knuckle::testing::error_of;
@@ -151,8 +152,8 @@ TEST(ForestSegmenter, RefusesEvenSizes) {
 TEST(SegmentationForestFile, SavedAndLoadedAnswersTheSame) {
   const TemporaryFolder folder;
   const PixelForest forest = ball_forest();
-  save_segmentation_forest(folder / "forest.h5", forest);
-  const PixelForest loaded = load_segmentation_forest(folder / "forest.h5");
+  save_segmentation_forest(folder / "forest.model", forest);
+  const PixelForest loaded = load_segmentation_forest(folder / "forest.model");
   const Frame frame = ball_before_trunk(7);
   EXPECT_EQ(loaded.probability(frame.depth_mm, frame.camera),
             forest.probability(frame.depth_mm, frame.camera));
@@ -160,42 +161,38 @@ TEST(SegmentationForestFile, SavedAndLoadedAnswersTheSame) {
 
 TEST(SegmentationForestFile, RefusesWhatIsNone) {
   const TemporaryFolder folder;
-  const std::filesystem::path path = folder / "forest.h5";
+  const std::filesystem::path path = folder / "forest.model";
   const auto fault = [&] { return error_of([&] { (void)load_segmentation_forest(path); }); };
-  EXPECT_THAT(fault(), HasSubstr("forest.h5"));  // missing
+  EXPECT_THAT(fault(), HasSubstr("forest.model"));  // missing
   std::ofstream(path) << "no forest";
-  EXPECT_THAT(fault(), HasSubstr("forest.h5"));
+  EXPECT_THAT(fault(), HasSubstr("forest.model"));
 
   save_segmentation_forest(path, ball_forest());
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-  EXPECT_THAT(fault(), HasSubstr("forest.h5"));
+  EXPECT_THAT(fault(), HasSubstr("forest.model"));
 
   save_segmentation_forest(path, ball_forest());
-  Hdf5File file = Hdf5File::open_for_writing(path);
-  file.set_attribute("version", 2.0);
-  file.close();
-  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.h5"), HasSubstr("version")));
+  change_model(path, [](ModelWriter& model) { model.set_format("knuckle-forest", 99); });
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("version")));
 
   save_segmentation_forest(path, ball_forest());
-  file = Hdf5File::open_for_writing(path);
-  file.set_attribute("kind", "pose");
-  file.close();
+  change_model(path, [](ModelWriter& model) { model.set("kind", "pose"); });
   EXPECT_THAT(fault(), HasSubstr("a forest of kind \"pose\", expected \"segmentation\""));
 }
 
 TEST(SegmenterFactory, FindsTheForestBesideTheFile) {
   const TemporaryFolder folder;
-  save_segmentation_forest(folder / "forest.h5", trusting_forest());
+  save_segmentation_forest(folder / "forest.model", trusting_forest());
   std::ofstream(folder / "pipeline.toml")
-      << "method = \"forest\"\nmodel = \"forest.h5\"\nprobability = 0.5\n";
+      << "method = \"forest\"\nmodel = \"forest.model\"\nprobability = 0.5\n";
   EXPECT_NE(create_segmenter(OptionTable::load(folder / "pipeline.toml")), nullptr);
   EXPECT_THAT(error_of([] { (void)create_segmenter(OptionTable::parse("method = \"forest\"", "a.toml")); }),
               AllOf(HasSubstr("a.toml"), HasSubstr("model")));
   EXPECT_THAT(error_of([&] {
-                std::ofstream(folder / "other.toml") << "method = \"forest\"\nmodel = \"none.h5\"\n";
+                std::ofstream(folder / "other.toml") << "method = \"forest\"\nmodel = \"none.model\"\n";
                 (void)create_segmenter(OptionTable::load(folder / "other.toml"));
               }),
-              HasSubstr("none.h5"));
+              HasSubstr("none.model"));
 }
 
 }  // namespace

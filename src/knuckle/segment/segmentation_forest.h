@@ -7,8 +7,8 @@
 
 namespace knuckle {
 
-/// Writes a forest that tells hands (class 1) from all else as a `.h5` file of format "knuckle-forest",
-/// version 1, kind "segmentation"; it appears only when whole.
+/// Writes a forest that tells hands (class 1) from all else as a file (storage/model_file.h) of format
+/// "knuckle-forest", version 2, kind "segmentation"; it appears only when whole.
 void save_segmentation_forest(const std::filesystem::path& path, const PixelForest& forest);
 
 /// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another

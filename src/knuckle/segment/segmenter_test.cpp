@@ -35,8 +35,8 @@ struct Setup {
 const std::filesystem::path& trusting_forest_file() {
   static const testing::TemporaryFolder folder;
   static const std::filesystem::path path = [] {
-    save_segmentation_forest(folder / "forest.h5", testing::trusting_forest());
-    return folder / "forest.h5";
+    save_segmentation_forest(folder / "forest.model", testing::trusting_forest());
+    return folder / "forest.model";
   }();
   return path;
 }

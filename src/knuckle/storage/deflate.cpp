@@ -29,6 +29,14 @@ libdeflate_compressor* compressor() {
   return own.get();
 }
 
+using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
+
+libdeflate_decompressor* decompressor() {
+  thread_local const Decompressor own(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  if (own == nullptr) throw std::bad_alloc();
+  return own.get();
+}
+
 /// Bytes may be any object's: without `__restrict` the compiler must take one value at a time.
 void split_bytes(const std::uint16_t* __restrict values, std::size_t count, std::uint8_t* __restrict low,
                  std::uint8_t* __restrict high) {
@@ -57,6 +65,31 @@ std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes) {
   assert(size > 0);
   stream.resize(size);
   return stream;
+}
+
+std::vector<std::uint8_t> deflated_raw(std::span<const std::uint8_t> bytes) {
+  constexpr int kSmall = 9;
+  const Compressor own(libdeflate_alloc_compressor(kSmall), libdeflate_free_compressor);
+  if (own == nullptr) throw std::bad_alloc();
+  std::vector<std::uint8_t> stored(libdeflate_deflate_compress_bound(own.get(), bytes.size()));
+  stored.resize(
+      libdeflate_deflate_compress(own.get(), bytes.data(), bytes.size(), stored.data(), stored.size()));
+  return stored;
+}
+
+bool inflate_raw(std::span<const std::uint8_t> stored, std::span<std::uint8_t> to) {
+  // Without a place for the length it has to be the whole of `to`.
+  return libdeflate_deflate_decompress(decompressor(), stored.data(), stored.size(), to.data(), to.size(),
+                                       nullptr) == LIBDEFLATE_SUCCESS;
+}
+
+bool inflate(std::span<const std::uint8_t> stream, std::span<std::uint8_t> to) {
+  return libdeflate_zlib_decompress(decompressor(), stream.data(), stream.size(), to.data(), to.size(),
+                                    nullptr) == LIBDEFLATE_SUCCESS;
+}
+
+std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
+  return libdeflate_crc32(0, bytes.data(), bytes.size());
 }
 
 std::vector<std::uint8_t> shuffled(std::span<const std::uint16_t> values) {

@@ -14,6 +14,18 @@ std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes);
 /// beneath it separate.
 std::vector<std::uint8_t> shuffled(std::span<const std::uint16_t> values);
 
+/// The bytes as deflate alone (RFC 1951), which is what a zip stores.
+std::vector<std::uint8_t> deflated_raw(std::span<const std::uint8_t> bytes);
+
+/// Inflates what `deflated_raw`, or another, made; false where that is not exactly as long as `to`, or
+/// damaged.
+bool inflate_raw(std::span<const std::uint8_t> stored, std::span<std::uint8_t> to);
+/// The same of a zlib stream, whose sum is checked.
+bool inflate(std::span<const std::uint8_t> stream, std::span<std::uint8_t> to);
+
+/// The sum of zips (CRC-32, RFC 1952).
+std::uint32_t crc32(std::span<const std::uint8_t> bytes);
+
 /// The checksum of RFC 1950 (Adler-32).
 std::uint32_t adler32(std::span<const std::uint8_t> bytes);
 

@@ -5,7 +5,7 @@
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 namespace {

@@ -40,14 +40,14 @@ TEST(FileIoTest, AFolderIsNoFile) {
 
 TEST(FileIoTest, AFailedWriteLeavesTheFormerFileAndNothingElse) {
   const TemporaryFolder folder;
-  write_text_file(folder / "model.h5", "former");
+  write_text_file(folder / "model.model", "former");
   const auto fail_half_way = [](const std::filesystem::path& temporary) {
     std::ofstream(temporary) << "half";
     fail("the writer broke");
   };
-  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "model.h5", fail_half_way); }),
+  EXPECT_THAT(error_of([&] { write_file_atomically(folder / "model.model", fail_half_way); }),
               HasSubstr("the writer broke"));
-  EXPECT_EQ(read_text_file(folder / "model.h5"), "former");
+  EXPECT_EQ(read_text_file(folder / "model.model"), "former");
   EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 

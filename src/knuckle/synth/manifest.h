@@ -15,7 +15,7 @@ namespace knuckle {
 
 /// Whose hands are seen, and which.
 struct PeopleOptions {
-  std::string file;  ///< body (.h5), relative to the manifest; empty: MakeHuman's, as set-up fetched it
+  std::string file;  ///< body (.model), relative to the manifest; empty: MakeHuman's, as set-up fetched it
   int people = 100;  ///< different people, [1, 100000]; each frame (or sequence) shows one of them
   double bone_spread = 0.05;  ///< deviation of each hand bone's length from its share, [0, 0.2]
 

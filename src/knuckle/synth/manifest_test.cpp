@@ -106,8 +106,8 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
 
 TEST_F(ManifestTest, AMissingFileOrBodyIsNamed) {
   EXPECT_THAT(testing::error_of([&] { load_manifest(folder_ / "none.toml"); }), HasSubstr("none.toml"));
-  const auto path = written("[body]\nfile = 'nobody.h5'");
-  EXPECT_THAT(testing::error_of([&] { open_synthetic(path); }), HasSubstr("nobody.h5"));
+  const auto path = written("[body]\nfile = 'nobody.model'");
+  EXPECT_THAT(testing::error_of([&] { open_synthetic(path); }), HasSubstr("nobody.model"));
 }
 
 TEST_F(ManifestTest, WhereMakeHumanIsMissingTheErrorSaysWhatFetchesIt) {

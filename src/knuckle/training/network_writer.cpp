@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <string>
 
-#include <torch/serialize.h>
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
 #include "knuckle/net/network_file.h"
-#include "knuckle/training/archive.h"
 
 namespace knuckle {
 namespace {
@@ -66,18 +64,9 @@ void set_weights(NetworkModule& network, const NetworkWeights& weights) {
   }
 }
 
-void save_weights(const std::filesystem::path& path, const NetworkWeights& weights) {
-  const std::string header = network_header(weights.options());
-  torch::serialize::OutputArchive archive;
-  archive.write("header", as_tensor<char>(header, torch::kByte));
-  archive.write("weights", as_tensor(weights.halves(), torch::kHalf));
-  if (!weights.singles().empty()) archive.write("norms", as_tensor(weights.singles(), torch::kFloat));
-  save_archive(path, archive);
-}
-
 void save_network(const std::filesystem::path& path, const NetworkOptions& options,
                   const NetworkModule& network) {
-  save_weights(path, weights_of(options, network));
+  save_network_weights(path, weights_of(options, network));
 }
 
 }  // namespace knuckle

@@ -15,11 +15,7 @@ NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& ne
 /// The other way: sets all that is stored. The network is that of the weights' options.
 void set_weights(NetworkModule& network, const NetworkWeights& weights);
 
-/// Writes numbers as a LibTorch archive (knuckle/net/network_file.h says what is in it). It appears only when
-/// whole.
-void save_weights(const std::filesystem::path& path, const NetworkWeights& weights);
-
-/// Writes a network for inference.
+/// Writes a network for inference (net/network_file.h).
 void save_network(const std::filesystem::path& path, const NetworkOptions& options,
                   const NetworkModule& network);
 

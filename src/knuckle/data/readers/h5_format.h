@@ -7,7 +7,7 @@
 
 #include "knuckle/core/camera.h"
 #include "knuckle/core/frame.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 

@@ -7,7 +7,7 @@
 
 #include "knuckle/data/frame_source.h"
 #include "knuckle/data/readers/timeline.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 

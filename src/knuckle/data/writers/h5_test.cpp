@@ -10,7 +10,7 @@
 #include "knuckle/data/readers/h5_format.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/writers/h5_writer.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 #include "knuckle/data/readers/timeline.h"
 #include "knuckle/data/writers/frame_ledger.h"
 #include "knuckle/data/writers/frame_writer.h"
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 

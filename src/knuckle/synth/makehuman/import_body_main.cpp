@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// knuckle_import_body PACKAGE_FOLDER BODY.h5: MakeHuman's body as the file that is installed. Part of the
+// knuckle_import_body PACKAGE_FOLDER BODY.model: MakeHuman's body as the file that is installed. Part of the
 // build; not installed.
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 #include "knuckle/synth/makehuman/makehuman_import.h"
 
 int main(int count, char** arguments) try {
-  if (count != 3) return std::fprintf(stderr, "usage: knuckle_import_body PACKAGE_FOLDER BODY.h5\n"), 2;
+  if (count != 3) return std::fprintf(stderr, "usage: knuckle_import_body PACKAGE_FOLDER BODY.model\n"), 2;
   knuckle::save_body(knuckle::import_makehuman(arguments[1]), arguments[2]);
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "knuckle_import_body: %s\n", error.what()), 1;

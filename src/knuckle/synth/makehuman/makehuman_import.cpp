@@ -18,7 +18,7 @@ namespace knuckle {
 namespace {
 
 /// Part of the kept file's name: raise it whenever the import makes another body of the same package.
-constexpr int kImportVersion = 1;
+constexpr int kImportVersion = 2;
 
 constexpr std::array<std::string_view, 3> kKeptMaterials{"body", "helper-r-eye", "helper-l-eye"};
 
@@ -314,7 +314,7 @@ std::filesystem::path makehuman_folder() {
 }
 
 Body makehuman_body(const std::filesystem::path& package_folder) {
-  const std::filesystem::path kept = package_folder / fmt::format("knuckle_body_{}.h5", kImportVersion);
+  const std::filesystem::path kept = package_folder / fmt::format("knuckle_body_{}.model", kImportVersion);
   if (std::filesystem::exists(kept)) return load_body(kept);
   Body body = import_makehuman(package_folder);
   try {

@@ -185,8 +185,8 @@ TEST_F(MakeHumanImportTest, DistancesWithinABoneStayInEveryPose) {
 
 TEST_F(MakeHumanImportTest, SavedBodyPosesTheSame) {
   const TemporaryFolder folder;
-  save_body(body(), folder / "body.h5");
-  const Body loaded = load_body(folder / "body.h5");
+  save_body(body(), folder / "body.model");
+  const Body loaded = load_body(folder / "body.model");
   const ShapedBody before = person({});
   const ShapedBody after = shaped_body(loaded, shape_coefficients(loaded, {}));
   EXPECT_EQ(before.vertices, after.vertices);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "knuckle/core/error.h"
-#include "knuckle/storage/hdf5_handle.h"
+#include "knuckle/storage/hdf5/hdf5_handle.h"
 
 namespace knuckle {
 

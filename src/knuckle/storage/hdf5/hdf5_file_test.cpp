@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 #include <numeric>
 

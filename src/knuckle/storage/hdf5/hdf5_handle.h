@@ -13,7 +13,7 @@
 
 #include <hdf5.h>
 
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <string>
 
-#include "knuckle/storage/hdf5_handle.h"
+#include "knuckle/storage/hdf5/hdf5_handle.h"
 
 namespace knuckle {
 namespace {

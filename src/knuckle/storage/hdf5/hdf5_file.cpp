@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "knuckle/storage/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 #include "knuckle/core/error.h"
-#include "knuckle/storage/hdf5_handle.h"
+#include "knuckle/storage/hdf5/hdf5_handle.h"
 
 namespace knuckle {
 
