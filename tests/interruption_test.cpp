@@ -182,14 +182,14 @@ TEST_F(InterruptionTest, AnExperimentThatIsAskedToEndKeepsItsStepsAndGoesOn) {
   write_text_file(path("boxes.toml"), "[segmentation]\nmethod = 'threshold'\n");
   write_text_file(path("forest.toml"),
                   "[segmentation]\nmethod = 'mean_shift'\n[estimator]\nmethod = 'forest'\nmodel = "
-                  "'../models/forest.h5'\n");
+                  "'../models/forest.model'\n");
   write_text_file(path("plan.toml"),
                   "title = 'A plan'\n[[sequence]]\nname = 'scene'\ntitle = 'The scene'\nsource = "
-                  "'synthetic:scene.toml'\n[[model]]\nfile = 'forest.h5'\nkind = 'pose-forest'\nconfig = "
+                  "'synthetic:scene.toml'\n[[model]]\nfile = 'forest.model'\nkind = 'pose-forest'\nconfig = "
                   "'train.toml'\n[[segmentation]]\nname = 'boxes'\npipeline = 'boxes.toml'\n"
                   "[[estimation]]\nname = 'forest'\npipeline = 'forest.toml'\n");
   const std::vector<std::string> arguments = {"experiment", path("plan.toml"), "--out", path("out")};
-  const std::string model = path("out/models/forest.h5");
+  const std::string model = path("out/models/forest.model");
   int looks = 0;
   const ProgramRun run =
       run_program_until([&] { return fs::exists(model) && ++looks > 1500; }, arguments, SIGINT);

@@ -2,7 +2,7 @@
 // What a pipeline file says must be what its model was trained on.
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
-#include "knuckle/net/network_file_testing.h"
+#include "knuckle/net/network_file.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/storage/file_io.h"
 
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 class PipelineFile : public ::testing::Test {
  protected:
   PipelineFile() {
-    testing::write_network(folder_ / "small.pt", random_weights(testing::small_network(), 1));
+    save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 1));
   }
 
   Pipeline load(const std::string& toml) const {
