@@ -65,6 +65,7 @@ class SampleCollector {
 
   /// Where segmentation finds the hand.
   std::optional<Point3> centre_of(const Frame& frame, const Point3& middle) const {
+    if (options_.around_joints) return middle;
     if (options_.start == Start::nearest) {
       const Segmentation found = finder_.find_right(frame, std::nullopt);
       const bool is_found =

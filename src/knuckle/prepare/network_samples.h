@@ -30,13 +30,15 @@ struct SampleOptions {
   Cube patch;
   int crop_px = 144;  ///< at least the patch's size
   Start start = Start::nearest;
-  std::int64_t most = 0;  ///< frames taken of the source at most, evenly spread; 0: all
+  bool around_joints = false;  ///< around the mean of the true joints; segmentation is not asked
+  std::int64_t most = 0;       ///< frames taken of the source at most, evenly spread; 0: all
 };
 
 /// Cuts the hands out of a source's frames as a pipeline does at run time: around the centre that
-/// segmentation finds. Where it starts at the nearest point and ends elsewhere than at the hand, it starts
-/// again at the truth. Frames whose joints' mean is still more than 80 mm from the centre are left out. On
-/// all threads. Throws an Error where the source has no truth or no frame of it can be used.
+/// segmentation finds, or around the true joints where it is to be trained for one that others find. Where it
+/// starts at the nearest point and ends elsewhere than at the hand, it starts again at the truth. Frames
+/// whose joints' mean is still more than 80 mm from the centre are left out. On all threads. Throws an Error
+/// where the source has no truth or no frame of it can be used.
 NetworkSamples network_samples(const std::string& source, const HandFinder& finder,
                                const SampleOptions& options);
 

@@ -108,6 +108,23 @@ TEST_F(NetworkSamplesTest, HandsThatSegmentationMissesAreSoughtAtTheTruth) {
   EXPECT_NEAR(made.samples.sample(0).centre_mm.x(), -100.0, 0.1);
 }
 
+TEST_F(NetworkSamplesTest, AroundTheJointsSegmentationIsNotAsked) {
+  options_.around_joints = true;
+  const NetworkSamples made = samples(2, [](int i, Frame& frame) {
+    if (i == 0) return;
+    // 84 mm from the palm, where segmentation would be: no frame is left out.
+    frame.truth->joints[static_cast<std::size_t>(Landmark::index_tip)].depth_mm += 3.0 * 84.0;
+  });
+  EXPECT_EQ(made.frames.used(), 2);
+  for (const std::int64_t i : {0, 1}) {
+    std::array<double, 3> sums{};
+    const CubeSample sample = made.samples.sample(i);
+    for (std::size_t k = 0; k < sample.joints.size(); ++k)
+      sums[k % 3] += std::isnan(sample.joints[k]) ? 0.0 : sample.joints[k];
+    EXPECT_NEAR(sums[2], 0.0, 1e-3) << "the mean of the joints is the centre";
+  }
+}
+
 TEST_F(NetworkSamplesTest, FramesWhoseJointsAreFarFromTheCentreOrUnknownAreLeftOut) {
   const NetworkSamples made = samples(4, [](int i, Frame& frame) {
     std::vector<ImagePoint>& joints = frame.truth->joints;

@@ -17,6 +17,7 @@ Inputs inputs_of(const std::string& source, const Inputs& segmentation, const Sa
       .add("patch", fmt::format("{} px, {} mm", options.patch.size_px, options.patch.side_mm))
       .add("crop", fmt::format("{} px", options.crop_px))
       .add("start", kStartNames[static_cast<std::size_t>(options.start)])
+      .add("centre", options.around_joints ? "joints" : "segmentation")
       .add("most", fmt::format("{}", options.most));
   return inputs;
 }

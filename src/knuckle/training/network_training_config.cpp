@@ -2,6 +2,7 @@
 #include "knuckle/training/network_training_config.h"
 
 #include <algorithm>
+#include <array>
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
@@ -45,9 +46,11 @@ Inputs inputs_of_finder(const OptionTable& document) {
 }  // namespace
 
 void NetworkSampleOptions::visit(OptionVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> kCentres{"segmentation", "joints"};
   visitor.integer("most", most, closed(0, 1e9));
   visitor.integer("most_validation", most_validation, closed(0, 1e9));
   visitor.integer("crop_px", crop_px, closed(2, 4096));
+  visitor.choice("centre", centre, kCentres);
   visitor.real("memory_gb", memory_gb, open_closed(0, 10000));
 }
 
@@ -85,6 +88,7 @@ NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, 
                         .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
                         .crop_px = config.samples.crop_px,
                         .start = config.start,
+                        .around_joints = config.samples.centre == "joints",
                         .most = config.samples.most_validation};
   const NetworkSamples validation =
       cache.samples(config.validation, config.finder, config.segmentation, options);

@@ -17,7 +17,8 @@ struct NetworkSampleOptions {
   int most = 0;             ///< Frames of `source` used at most, evenly spread, [0, 1e9]; 0: all
   int most_validation = 0;  ///< The same of `validation`
   int crop_px = 144;        ///< Size that is kept of each hand, so that views can turn and shift, [2, 4096]
-  double memory_gb = 8.0;   ///< More than that is an error, (0, 10000]
+  std::string centre = "segmentation";  ///< segmentation | joints: what a hand is cut out around
+  double memory_gb = 8.0;               ///< More than that is an error, (0, 10000]
 
   void visit(OptionVisitor& visitor);
 };
