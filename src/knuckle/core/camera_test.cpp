@@ -110,7 +110,16 @@ TEST(CameraTest, AMirroredFrameMirrorsBackToItself) {
   frame.depth_mm(3, 5) = 400.0f;
   frame.truth = HandPose::missing(superset_convention());
   frame.truth->joints[0] = {3.0, 5.0, 400.0};
+  frame.labels = Image<std::uint8_t>(320, 240);
+  frame.labels(3, 5) = static_cast<std::uint8_t>(PixelLabel::other_hand);
+  frame.hands.push_back({HandSide::left, *frame.truth, {Occluder::object}, 0.5});
   const Frame mirror = mirrored(frame);
+  EXPECT_EQ(mirror.labels(316, 5), frame.labels(3, 5));
+  EXPECT_EQ(mirror.hands[0].side, HandSide::right);
+  EXPECT_EQ(mirror.hands[0].pose.joints[0].u, 316.0);
+  EXPECT_EQ(mirror.hands[0].occluders, frame.hands[0].occluders);
+  EXPECT_EQ(mirror.hands[0].visible_share, 0.5);
+  EXPECT_EQ(mirrored(mirror).hands[0].side, HandSide::left);
   EXPECT_EQ(mirror.depth_mm(316, 5), 400.0f);
   EXPECT_EQ(mirror.truth->joints[0].u, 316.0);
   EXPECT_EQ(mirrored(mirror).camera, frame.camera);

@@ -32,6 +32,16 @@ void apply_preset(const OptionTable& manifest_table, Manifest& manifest) {
   manifest.sensor = preset.sensor;
 }
 
+void check_scene(const OptionTable& manifest_table, const Manifest& manifest) {
+  if (manifest.scene.is_active() && manifest.camera.camera.model != CameraModel::projective) {
+    manifest_table.table("camera").fail_at("model", "is orthographic, but [scene] needs a projective camera");
+  }
+  if (manifest.scene.empty_share > 0.0 && manifest.motion.is_smooth()) {
+    manifest_table.table("scene").fail_at("empty_share",
+                                          "is not 0, but the motion is smooth: each frame has a hand");
+  }
+}
+
 void check_sensor(const OptionTable& manifest_table, const Manifest& manifest) {
   const auto fault = fault_of(manifest.sensor, manifest.camera.camera);
   if (fault) manifest_table.table("sensor").fail_at(fault->key, fault->message);
@@ -83,10 +93,13 @@ Manifest load_manifest(const std::filesystem::path& path) {
   read_table(table, "camera", manifest.camera);
   read_table(table, "pose", manifest.pose, manifest.motion);
   read_table(table, "placement", manifest.placement);
+  read_table(table, "scene", manifest.scene);
   read_table(table, "sensor", manifest.sensor);
   table.finish();
   check(manifest.pose, path.string() + ": [pose]");
   check(manifest.placement, path.string() + ": [placement]");
+  check(manifest.scene, path.string() + ": [scene]");
+  check_scene(table, manifest);
   check_sensor(table, manifest);
   try {
     check(manifest.camera.camera);

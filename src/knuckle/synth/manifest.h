@@ -9,6 +9,7 @@
 #include "knuckle/synth/pose/hand_sampler.h"
 #include "knuckle/synth/pose/motion_options.h"
 #include "knuckle/synth/scene/placement_options.h"
+#include "knuckle/synth/scene/scene_options.h"
 #include "knuckle/synth/sensor/sensor.h"
 
 namespace knuckle {
@@ -46,6 +47,7 @@ struct Manifest {
   HandPoseOptions pose;
   MotionOptions motion;
   PlacementOptions placement;
+  SceneOptions scene;
   SensorOptions sensor;
   std::string resolved;  ///< the manifest as TOML with every default filled in
 

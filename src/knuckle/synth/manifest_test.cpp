@@ -92,6 +92,14 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[sensor]\npreset = 'creative'\nnear_mm = 1200.0", "m.toml:3: sensor.near_mm: is 1200"},
       {"[sensor]\ndisparity_px = 0.5", "m.toml:2: sensor.disparity_px"},
       {"[camera]\nmodel = 'orthographic'\n[sensor]\npreset = 'sr300'", "baseline_mm"},
+      {"[scene]\ntable = 1.0", "m.toml:2: scene.table: unknown key"},
+      {"[scene]\ntable_share = 1.5", "m.toml:2: scene.table_share"},
+      {"[scene]\nthings = ['teapot']", "teapot"},
+      {"[scene]\nmost_things = 3\nthings = ['mug']\nwithout_things = ['mug']", "most_things is 3"},
+      {"[scene]\nbefore_share = 0.5\nleast_visible = 1.0", "least_visible is 1"},
+      {"[scene]\nempty_share = 0.6\ncut_share = 0.5", "cut_share"},
+      {"[pose]\nmotion = 'smooth'\n[scene]\nempty_share = 0.5", "m.toml:4: scene.empty_share"},
+      {"[camera]\nmodel = 'orthographic'\n[scene]\ntable_share = 0.5", "m.toml:2: camera.model"},
       {"[body]\npeople = 0", "people"},
       {"[body]\nbone_spread = 0.5", "bone_spread"},
       {"[body]\nside = 'top'", "both"},
@@ -129,7 +137,8 @@ constexpr const char* kTestManifests[] = {"manifests/test_creative.toml", "manif
                                           "manifests/test_kinect_v2.toml"};
 
 TEST(ShippedManifests, AreRead) {
-  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml"}) {
+  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml",
+                           "manifests/train_scenes.toml", "manifests/validate_scenes.toml"}) {
     EXPECT_NO_THROW(load_manifest(resource_path(name))) << name;
   }
 }

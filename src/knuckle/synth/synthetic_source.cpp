@@ -18,6 +18,8 @@
 #include "knuckle/synth/render/rasteriser.h"
 #include "knuckle/synth/render/surface_angle.h"
 #include "knuckle/synth/render/view_culling.h"
+#include "knuckle/synth/scene/clothes.h"
+#include "knuckle/synth/scene_renderer.h"
 
 namespace knuckle {
 namespace {
@@ -28,6 +30,7 @@ constexpr std::uint64_t kCameras = 2;
 constexpr std::uint64_t kPostures = 3;
 constexpr std::uint64_t kSensor = 4;
 constexpr std::uint64_t kSides = 5;
+constexpr std::uint64_t kScenes = 6;
 
 /// A person is made when first seen (some milliseconds) and kept (some 100 kB).
 class People {
@@ -46,12 +49,16 @@ class People {
       place.person = person(number);
       place.rig.emplace(place.person);
       place.culling.emplace(place.person);
+      place.along_mm = way_along_arm(place.person);
     });
     return *place.rig;
   }
 
   /// Of a person whose rig was asked for.
   const ViewCulling& culling(std::size_t number) const { return *places_[number].culling; }
+  ScenePerson scene_person(std::size_t number) const {
+    return {&rig(number), &culling(number), &places_[number].along_mm};
+  }
 
  private:
   struct Place {
@@ -59,6 +66,7 @@ class People {
     ShapedBody person;
     std::optional<BodyRig> rig;
     std::optional<ViewCulling> culling;
+    std::vector<float> along_mm;
   };
 
   /// A body that has no MakeHuman shapes has one shape.
@@ -97,7 +105,9 @@ class SyntheticSource final : public FrameSource {
         postures_{manifest.pose, manifest.placement, manifest.motion},
         skinning_(manifest.body.skinning == "linear" ? Skinning::linear : Skinning::dual_quaternion),
         body_(body),
-        people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {}
+        people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {
+    if (manifest.scene.is_active()) scenes_.emplace(manifest, *body_);
+  }
 
   std::int64_t size() const override { return manifest_.frames; }
   std::optional<Convention> convention() const override { return superset_convention(); }
@@ -119,6 +129,23 @@ class SyntheticSource final : public FrameSource {
     const BodyRig& rig = people_.rig(person);
     const PlacedPosture placed =
         posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
+    ExactFrame exact =
+        scenes_ ? scenes_->render_frame(people_.scene_person(person), placed, camera, scene_seed(index))
+                : person_alone(person, placed, camera);
+    if (is_left) exact = mirrored(exact);
+    if (scenes_ && exact.hands.empty()) frame.side.reset();
+    frame.mask = std::move(exact.mask);
+    frame.truth = std::move(exact.truth);
+    frame.labels = std::move(exact.labels);
+    frame.hands = std::move(exact.hands);
+    look_with_sensor(std::move(exact.surfaces), index, frame);
+    return frame;
+  }
+
+ private:
+  /// One person before nothing.
+  ExactFrame person_alone(std::size_t person, const PlacedPosture& placed, const Camera& camera) const {
+    const BodyRig& rig = people_.rig(person);
     const BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
     const BodySection seen =
         people_.culling(person).visible_section(bone_transforms(rig.person(), pose), camera);
@@ -127,20 +154,18 @@ class SyntheticSource final : public FrameSource {
     const TriangleMesh mesh{posed.vertices,
                             std::span(body_->faces).first(static_cast<std::size_t>(seen.faces))};
     const Rendering rendering = render(mesh, camera, {.culling = FaceCulling::back_faces});
-    SeenSurfaces surfaces{rendering.depth_mm, {}};
-    if (manifest_.sensor.needs_angles()) surfaces.cosines = surface_cosines(rendering, mesh, camera);
-    frame.mask = mask_of(rendering, body_->is_hand);
-    frame.truth = image_pose(posed.landmarks, camera);
-    if (is_left) {
-      surfaces = {mirrored(surfaces.depth_mm), mirrored(surfaces.cosines)};
-      frame.mask = mirrored(frame.mask);
-      frame.truth = mirrored(*frame.truth, camera.width);
-    }
-    look_with_sensor(std::move(surfaces), index, frame);
-    return frame;
+    ExactFrame exact;
+    exact.surfaces.depth_mm = rendering.depth_mm;
+    if (manifest_.sensor.needs_angles()) exact.surfaces.cosines = surface_cosines(rendering, mesh, camera);
+    exact.mask = mask_of(rendering, body_->is_hand);
+    exact.truth = image_pose(posed.landmarks, camera);
+    return exact;
   }
 
- private:
+  std::uint64_t scene_seed(std::int64_t index) const {
+    return derived_seed(derived_seed(manifest_.seed, kScenes), scene_of_frame(index));
+  }
+
   /// Sets what the sensor gives: depth and infrared. The mask stays that of the exact picture.
   void look_with_sensor(SeenSurfaces surfaces, std::int64_t index, Frame& frame) const {
     const std::uint64_t seed =
@@ -185,6 +210,7 @@ class SyntheticSource final : public FrameSource {
   Skinning skinning_;
   std::shared_ptr<const Body> body_;
   People people_;
+  std::optional<SceneRenderer> scenes_;  ///< nothing where the manifest asks for one person before nothing
 };
 
 /// MakeHuman's body: the package that $KNUCKLE_MAKEHUMAN names; else the file that was installed; else the

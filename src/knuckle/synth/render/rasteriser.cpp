@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "knuckle/core/error.h"
@@ -188,10 +189,10 @@ struct TriangleBlock {
   }
 };
 
-/// The faces that may be drawn, in their order.
+/// The faces that may be drawn, in their order; the first of `faces` has the number `first_number`.
 std::vector<std::int32_t> drawn_faces(std::span<const std::array<std::int32_t, 3>> faces,
-                                      const std::vector<Place>& places, const Canvas& canvas,
-                                      int front_sign) {
+                                      std::size_t first_number, const std::vector<Place>& places,
+                                      const Canvas& canvas, int front_sign) {
   std::vector<std::int32_t> drawn(faces.size() + TriangleBlock::kSize);
   std::size_t count = 0;
   TriangleBlock block;
@@ -203,7 +204,7 @@ std::vector<std::int32_t> drawn_faces(std::span<const std::array<std::int32_t, 3
     }
     const TriangleBlock::Lanes may_be_drawn = block.may_be_drawn(canvas, front_sign);
     for (std::size_t i = 0; i < size; ++i) {
-      drawn[count] = static_cast<std::int32_t>(first + i);
+      drawn[count] = static_cast<std::int32_t>(first_number + first + i);
       count += static_cast<std::size_t>(may_be_drawn[i]);
     }
   }
@@ -244,10 +245,16 @@ std::vector<Eigen::Vector3f> clipped(const std::array<Eigen::Vector3f, 3>& trian
   return polygon;
 }
 
+/// Faces [first, end) of a mesh.
+struct FaceRange {
+  std::size_t first;
+  std::size_t end;
+};
+
 /// Draws what is in front of the near plane of the faces that cross it.
-void draw_crossing_faces(Canvas& canvas, const TriangleMesh& mesh, double near_mm,
+void draw_crossing_faces(Canvas& canvas, const TriangleMesh& mesh, const FaceRange& range, double near_mm,
                          const PointProjector& project, int front_sign) {
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+  for (std::size_t f = range.first; f < range.end; ++f) {
     const auto [a, b, c] = mesh.faces[f];
     const std::array<Eigen::Vector3f, 3> triangle = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
     const auto is_near = [&](const Eigen::Vector3f& corner) { return corner.z() < near_mm; };
@@ -287,21 +294,50 @@ Rendering rendering_of(const Canvas& canvas, const Camera& camera) {
 
 }  // namespace
 
-Rendering render(const TriangleMesh& mesh, const Camera& camera, const RasteriserOptions& options) {
+std::vector<Rendering> render_groups(const TriangleMesh& mesh, std::span<const std::size_t> ends,
+                                     const Camera& camera, const RasteriserOptions& options) {
   check(camera);
   if (!(options.near_mm > 0.0)) fail("rasteriser: near_mm is {}, expected above 0", options.near_mm);
   const PointProjector project(camera, static_cast<float>(options.near_mm));
   const ProjectedPoints points = project(mesh.vertices);
-  Canvas canvas(camera);
   const int front_sign = front_sign_of(camera, options.culling);
-  for (const std::int32_t f : drawn_faces(mesh.faces, points.places, canvas, front_sign)) {
-    draw(canvas, points, mesh.faces[f], f, front_sign);
-  }
   const auto is_near = [&](const Eigen::Vector3f& vertex) { return vertex.z() < options.near_mm; };
-  if (std::ranges::any_of(mesh.vertices, is_near)) {
-    draw_crossing_faces(canvas, mesh, options.near_mm, project, front_sign);
+  const bool may_cross = std::ranges::any_of(mesh.vertices, is_near);
+  std::vector<Rendering> renderings;
+  std::size_t first = 0;
+  for (const std::size_t end : ends) {
+    if (end < first || end > mesh.faces.size())
+      fail("rasteriser: a group of faces ends at {}, expected {} to {}", end, first, mesh.faces.size());
+    Canvas canvas(camera);
+    const auto group = mesh.faces.subspan(first, end - first);
+    for (const std::int32_t f : drawn_faces(group, first, points.places, canvas, front_sign)) {
+      draw(canvas, points, mesh.faces[f], f, front_sign);
+    }
+    if (may_cross) draw_crossing_faces(canvas, mesh, {first, end}, options.near_mm, project, front_sign);
+    renderings.push_back(rendering_of(canvas, camera));
+    first = end;
   }
-  return rendering_of(canvas, camera);
+  return renderings;
+}
+
+Rendering render(const TriangleMesh& mesh, const Camera& camera, const RasteriserOptions& options) {
+  return std::move(render_groups(mesh, std::array{mesh.faces.size()}, camera, options).front());
+}
+
+Rendering nearest_of(std::span<const Rendering> renderings) {
+  Rendering nearest = renderings.front();
+  for (const Rendering& other : renderings.subspan(1)) {
+    float* depths = nearest.depth_mm.data();
+    std::int32_t* faces = nearest.face.data();
+    for (std::size_t i = 0; i < nearest.face.size(); ++i) {
+      const float depth = other.depth_mm.data()[i];
+      const bool is_nearer = (other.face.data()[i] != Rendering::kNoFace) &
+                             ((faces[i] == Rendering::kNoFace) | (depth < depths[i]));
+      depths[i] = is_nearer ? depth : depths[i];
+      faces[i] = is_nearer ? other.face.data()[i] : faces[i];
+    }
+  }
+  return nearest;
 }
 
 Image<std::uint8_t> mask_of(const Rendering& rendering, std::span<const std::uint8_t> face_labels) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -45,6 +46,16 @@ struct Rendering {
 /// Under distortion the corners are distorted and the edges between them stay straight: right for triangles
 /// of a few pixels, as bodies have them.
 Rendering render(const TriangleMesh& mesh, const Camera& camera, const RasteriserOptions& options = {});
+
+/// The same with a z-buffer for each of several groups of faces: group i begins where the last one ended and
+/// ends before face `ends[i]`. Faces keep their numbers in the whole mesh. Throws an Error where the ends go
+/// back or beyond the last face.
+std::vector<Rendering> render_groups(const TriangleMesh& mesh, std::span<const std::size_t> ends,
+                                     const Camera& camera, const RasteriserOptions& options = {});
+
+/// What is seen where the things of several renderings of one mesh are all there: at each pixel the nearest,
+/// of equals the first. There is at least one.
+Rendering nearest_of(std::span<const Rendering> renderings);
 
 /// 1 where the seen face's label is not 0, else 0. `face_labels` has one per face.
 Image<std::uint8_t> mask_of(const Rendering& rendering, std::span<const std::uint8_t> face_labels);

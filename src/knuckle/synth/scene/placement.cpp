@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "knuckle/camera/projection.h"
@@ -102,22 +103,71 @@ double landmark_violation(const std::array<Point3, kSupersetSize>& landmarks, co
   return outside[counted] + too_near;
 }
 
+/// From where the camera looks.
+enum class View : std::uint8_t { facing, shoulder, free, above, around, eyes };
+
+View sampled_view_kind(const PlacementOptions& options, Random& random) {
+  const std::array<double, 6> shares = {options.facing_share, options.shoulder_share, options.free_share,
+                                        options.above_share,  options.around_share,   options.eyes_share};
+  std::array<double, 6> sums{};
+  std::partial_sum(shares.begin(), shares.end(), sums.begin());
+  const double drawn = random.uniform() * sums.back();
+  const auto kind = std::ranges::upper_bound(sums, drawn) - sums.begin();
+  return static_cast<View>(std::min<std::ptrdiff_t>(kind, sums.size() - 1));
+}
+
 /// Turns the person as seen by the camera: x left, y up, z front of the body to x right, y down, z forward.
-Eigen::Matrix3d sampled_view(const PlacementOptions& options, Random& random) {
-  const double kind = random.uniform() * (options.facing_share + options.shoulder_share + options.free_share);
-  if (kind >= options.facing_share + options.shoulder_share) {
+Eigen::Matrix3d sampled_view(View view, const PlacementOptions& options, Random& random) {
+  if (view == View::free) {
     Eigen::Quaterniond any(random.normal(), random.normal(), random.normal(), random.normal());
     return any.normalized().toRotationMatrix();
   }
   Eigen::Matrix3d facing = Vector3d(1, -1, -1).asDiagonal();
-  if (kind >= options.facing_share) facing = Vector3d(-1, -1, 1).asDiagonal();
-  const auto turn = [&](double deviation_deg, const Vector3d& axis) {
-    return rotation_about(deviation_deg * kDegree * random.normal(), axis).toRotationMatrix();
+  if (view == View::shoulder || view == View::eyes) facing = Vector3d(-1, -1, 1).asDiagonal();
+  const auto turn = [](double angle, const Vector3d& axis) {
+    return rotation_about(angle, axis).toRotationMatrix();
   };
-  const Eigen::Matrix3d yaw = turn(options.yaw_deg, Vector3d::UnitY());
-  const Eigen::Matrix3d pitch = turn(options.pitch_deg, Vector3d::UnitX());
-  const Eigen::Matrix3d roll = turn(options.roll_deg, Vector3d::UnitZ());
+  if (view == View::above || view == View::around) {
+    const Eigen::Matrix3d yaw = turn(random.uniform(-180.0, 180.0) * kDegree, Vector3d::UnitY());
+    const double pitch_deg = view == View::above ? random.uniform(50.0, 95.0) : random.uniform(-10.0, 50.0);
+    const Eigen::Matrix3d roll = turn(options.roll_deg * kDegree * random.normal(), Vector3d::UnitZ());
+    return roll * turn(pitch_deg * kDegree, Vector3d::UnitX()) * yaw * facing;
+  }
+  const Eigen::Matrix3d yaw = turn(options.yaw_deg * kDegree * random.normal(), Vector3d::UnitY());
+  const Eigen::Matrix3d pitch = turn(options.pitch_deg * kDegree * random.normal(), Vector3d::UnitX());
+  const Eigen::Matrix3d roll = turn(options.roll_deg * kDegree * random.normal(), Vector3d::UnitZ());
   return roll * pitch * yaw * facing;
+}
+
+/// Where a camera at a person's eyes is, in body axes [mm].
+Vector3d eyes_of(const BodyRig& rig) {
+  const Body& body = *rig.person().body;
+  const auto found = std::ranges::find(body.names, "head");
+  if (found == body.names.end()) return Vector3d(0.0, 400.0, 0.0);
+  constexpr double kUpMm = 70.0;
+  constexpr double kForwardMm = 130.0;  // before the forehead
+  return rig.person().joints[found - body.names.begin()].cast<double>() + Vector3d(0.0, kUpMm, kForwardMm);
+}
+
+/// Turns the head of a person who looks along `view` so that the palm is seen where `seen_palm` is.
+Eigen::Isometry3f view_from_eyes(const BodyRig& rig, const Point3& palm, const Eigen::Matrix3d& view,
+                                 const Point3& seen_palm) {
+  const Vector3d eyes = eyes_of(rig);
+  const Eigen::Matrix3d turn =
+      rotation_between(view * (palm - eyes), seen_palm).normalized().toRotationMatrix() * view;
+  Eigen::Isometry3f camera_from_body = Eigen::Isometry3f::Identity();
+  camera_from_body.linear() = turn.cast<float>();
+  camera_from_body.translation() = (turn * -eyes).cast<float>();
+  return camera_from_body;
+}
+
+/// The options of a view from the eyes: chest and arm may be nearer than the hand.
+PlacementOptions options_of_view(View view, PlacementOptions options) {
+  if (view != View::eyes) return options;
+  constexpr double kAnywhere = 1000.0;
+  options.trunk_gap_mm = -kAnywhere;
+  options.forearm_margin_mm = kAnywhere;
+  return options;
 }
 
 /// A point for the palm: normal around the image's centre, depth uniform.
@@ -178,13 +228,21 @@ PlacedPosture sampled_placement(const BodyRig& rig, const HandAngles& hand, cons
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kAttempts && least > 0.0; ++attempt) {
     PlacedPosture placed{{hand, sampled_arm(options, random)}, Eigen::Isometry3f::Identity()};
-    placed.camera_from_body.linear() = sampled_view(options, random).cast<float>();
+    const View view = sampled_view_kind(options, random);
+    const Eigen::Matrix3d turn = sampled_view(view, options, random);
+    if (view != View::eyes) placed.camera_from_body.linear() = turn.cast<float>();
     BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
     const Point3 palm = rig.landmarks(pose)[static_cast<std::size_t>(Landmark::palm)];
-    placed.camera_from_body.translation() = (sampled_palm(camera, options, random) - palm).cast<float>();
+    const Point3 seen_palm = sampled_palm(camera, options, random);
+    if (view == View::eyes) {
+      placed.camera_from_body = view_from_eyes(rig, palm, turn, seen_palm);
+    } else {
+      placed.camera_from_body.translation() = (seen_palm - palm).cast<float>();
+    }
     pose.camera_from_body = placed.camera_from_body;
-    double wrong = is_presented ? presentation_violation(rig.landmarks(pose), options) : 0.0;
-    if (wrong < least) wrong += violation(rig, pose, camera, options, allowed_outside);
+    double wrong =
+        is_presented && view != View::eyes ? presentation_violation(rig.landmarks(pose), options) : 0.0;
+    if (wrong < least) wrong += violation(rig, pose, camera, options_of_view(view, options), allowed_outside);
     if (wrong < least) {
       least = wrong;
       best = placed;

@@ -7,6 +7,9 @@ void PlacementOptions::visit(OptionVisitor& visitor) {
   visitor.real("facing_share", facing_share, at_least(0));
   visitor.real("shoulder_share", shoulder_share, at_least(0));
   visitor.real("free_share", free_share, at_least(0));
+  visitor.real("above_share", above_share, at_least(0));
+  visitor.real("around_share", around_share, at_least(0));
+  visitor.real("eyes_share", eyes_share, at_least(0));
   visitor.real("yaw_deg", yaw_deg, closed(0, 180));
   visitor.real("pitch_deg", pitch_deg, closed(0, 90));
   visitor.real("roll_deg", roll_deg, closed(0, 180));
@@ -24,8 +27,13 @@ void PlacementOptions::visit(OptionVisitor& visitor) {
 
 void check(const PlacementOptions& options, std::string_view what) {
   check_options(options, what);
-  if (options.facing_share + options.shoulder_share + options.free_share <= 0.0) {
-    fail("{}: facing_share, shoulder_share and free_share are all 0; expected one above 0", what);
+  if (options.facing_share + options.shoulder_share + options.free_share + options.above_share +
+          options.around_share + options.eyes_share <=
+      0.0) {
+    fail(
+        "{}: facing_share, shoulder_share, free_share, above_share, around_share and eyes_share are all 0; "
+        "expected one above 0",
+        what);
   }
   if (options.nearest_mm > options.farthest_mm) {
     fail("{}: nearest_mm is {}, expected at most farthest_mm, {}", what, options.nearest_mm,

@@ -12,6 +12,9 @@ struct PlacementOptions {
   double facing_share = 0.65;    ///< the person faces the camera, at least 0
   double shoulder_share = 0.10;  ///< the camera looks the person's way, from head or shoulder, at least 0
   double free_share = 0.25;      ///< any side up, at least 0
+  double above_share = 0.0;      ///< the camera looks down on the person's hands from any side, at least 0
+  double around_share = 0.0;     ///< the camera stands anywhere around the person, at least 0
+  double eyes_share = 0.0;       ///< the camera is worn at the person's eyes, at least 0
   double yaw_deg = 35.0;         ///< deviation of the person's turn about the upright, [0, 180] [degree]
   double pitch_deg = 20.0;       ///< deviation of the camera's tilt, [0, 90] [degree]
   double roll_deg = 15.0;        ///< deviation of the camera's roll, [0, 180] [degree]
