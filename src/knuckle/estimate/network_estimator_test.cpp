@@ -45,6 +45,7 @@ TEST_P(EveryNetwork, SaysAsAnEstimatorWhatItSaysAsANetwork) {
   EXPECT_EQ(estimator.patches().options(), small_network().patch);
   EXPECT_EQ(estimator.patches().options().size_px, 32);
   EXPECT_EQ(estimator.passes(), 2);
+  EXPECT_EQ(estimator.sure_confidence(), GetParam() == "dense" ? 0.45 : 0.0);
   const PatchPose pose = estimator.estimate(patch);
   ASSERT_EQ(pose.joints.size(), 14u);
   EXPECT_EQ(pose.confidence, expected.confidence);

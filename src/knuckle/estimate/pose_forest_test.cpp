@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/estimate/pose_forest.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -82,6 +84,62 @@ TEST(PoseForestEstimator, RefusesPatchesOfAnotherSizeOrNotFinite) {
   EXPECT_THAT(error_of([&] { estimator.estimate(patch); }), HasSubstr("not finite"));
   patch.pixels = Image<float>(96, 96);
   EXPECT_THAT(error_of([&] { estimator.estimate(patch); }), HasSubstr("96 x 96, expected 12 x 12"));
+}
+
+constexpr std::size_t kTargets = 3 * 14;  // of nyu14
+
+/// A forest on patches of 2 x 2 whose leaves differ in the fourth landmark alone: in each its u, v and d.
+PoseForestModel forest_of(FlatTrees<PixelPair> trees, const std::vector<std::array<float, 3>>& leaves) {
+  std::vector<float> values(leaves.size() * kTargets, 0.0F);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    std::ranges::copy(leaves[i], values.begin() + i * kTargets + 9);
+  RegressionForest::Parts parts;
+  parts.feature_count = 4;
+  parts.trees = std::move(trees);
+  parts.leaves = LeafTable(kTargets, values, 32);
+  return {
+      convention(), {.size_px = 2, .mean = {}, .whitening = {}}, RegressionForest(std::move(parts), "test")};
+}
+
+HandPatch patch_of(const std::array<float, 4>& pixels) {
+  HandPatch patch;
+  patch.pixels = Image<float>(2, 2);
+  std::ranges::copy(pixels, patch.pixels.data());
+  return patch;
+}
+
+TEST(PoseForestEstimator, ConfidenceIsTheAgreementInUAndV) {
+  const FlatTrees<PixelPair> two_leaves{{0, 1}, {{~0, {}, 0}, {~1, {}, 0}}};
+  const auto confidence = [&](const std::array<float, 3>& one, const std::array<float, 3>& other) {
+    return PoseForestEstimator(forest_of(two_leaves, {one, other})).estimate(patch_of({})).confidence[3];
+  };
+  // Deviations of 0.1 along an axis are a root mean square of 0.1 / sqrt(2): exp(-0.707).
+  EXPECT_NEAR(confidence({0.1F, 0.0F, 0.0F}, {-0.1F, 0.0F, 0.0F}), 0.4931F, 1e-4F);
+  EXPECT_NEAR(confidence({0.3F, 0.1F, 0.0F}, {0.3F, -0.1F, 0.0F}), 0.4931F, 1e-4F);
+  EXPECT_NEAR(confidence({0.1F, 0.1F, 0.0F}, {-0.1F, -0.1F, 0.0F}), 0.3679F, 1e-4F);
+  EXPECT_NEAR(confidence({0.2F, 0.0F, 3.0F}, {0.2F, 0.0F, -3.0F}), 1.0F, 1e-6F);  // whatever the depth
+}
+
+TEST(PoseForestEstimator, ASingleTreeGivesNoConfidence) {
+  const PoseForestEstimator estimator(forest_of({{0}, {{~0, {}, 0}}}, {{0.1F, 0.2F, 0.3F}}));
+  const PatchPose pose = estimator.estimate(patch_of({}));
+  EXPECT_NEAR(pose.joints[3].v, 0.2, 1e-6);
+  EXPECT_TRUE(pose.confidence.empty());
+  EXPECT_EQ(estimator.sure_confidence(), 0.0);
+}
+
+TEST(PoseForestModel, InPruningDepthCountsAQuarter) {
+  const FlatTrees<PixelPair> tree{
+      {0},
+      {{1, {0, 1}, 0}, {3, {2, 3}, 0}, {5, {2, 3}, 0}, {~0, {}, 0}, {~1, {}, 0}, {~2, {}, 0}, {~3, {}, 0}}};
+  // On the left leaves that differ by 0.5 in v, on the right ones that differ by 1 in d.
+  const PoseForestModel model =
+      forest_of(tree, {{0.0F, -0.25F, 0.0F}, {0.0F, 0.25F, 0.0F}, {0.0F, 0.0F, -0.5F}, {0.0F, 0.0F, 0.5F}});
+  const PoseForestEstimator estimator(pruned(model, 3));
+  EXPECT_NEAR(estimator.estimate(patch_of({0.0F, 1.0F, 0.0F, 1.0F})).joints[3].v, -0.25, 1e-6);
+  EXPECT_NEAR(estimator.estimate(patch_of({0.0F, 1.0F, 1.0F, 0.0F})).joints[3].v, 0.25, 1e-6);
+  EXPECT_NEAR(estimator.estimate(patch_of({1.0F, 0.0F, 0.0F, 1.0F})).joints[3].d, 0.0, 1e-6);
+  EXPECT_NEAR(estimator.estimate(patch_of({1.0F, 0.0F, 1.0F, 0.0F})).joints[3].d, 0.0, 1e-6);
 }
 
 TEST(PoseForestModel, SavedAndLoadedAnswersTheSame) {

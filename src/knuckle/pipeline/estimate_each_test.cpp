@@ -93,6 +93,7 @@ class EstimateEachTest : public ::testing::Test {
   static void expect_is_frame(const FrameResult& result, std::int64_t index) {
     EXPECT_EQ(result.index, index);
     if (!result.fault.empty()) return;
+    EXPECT_EQ(result.camera, numbered_frame(index).camera);
     EXPECT_EQ(result.name, fmt::format("frame{}", index));
     EXPECT_DOUBLE_EQ(*result.time_s, 0.1 * static_cast<double>(index));
     ASSERT_EQ(result.estimate.hands.size(), 1u);
@@ -138,6 +139,7 @@ TEST_F(EstimateEachTest, FramesThatCannotBeReadAreResultsWithAFault) {
       EXPECT_EQ(result.estimate.status, "the frame cannot be read: " + result.fault);
       EXPECT_EQ(result.name, is_stream ? "" : fmt::format("frame{}", result.index));
       EXPECT_EQ(result.time_s.has_value(), !is_stream);
+      EXPECT_EQ(result.camera == numbered_frame(0).camera, !is_stream);
       faulty.push_back(result.index);
     };
     if (is_stream) {

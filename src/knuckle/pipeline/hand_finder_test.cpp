@@ -68,6 +68,19 @@ TEST(HandFinder, ARightHandIsSoughtInTheFrameItself) {
   EXPECT_EQ(found.hands.at(0).centre, Point3(30.0, 1.0, 500.0));
 }
 
+TEST(AsRightHand, IsMirroredWhereTheFrameElseTheOptionsSayLeft) {
+  Frame frame = three_pixels();
+  const auto first_column = [&](std::optional<HandSide> side, const std::string& option) {
+    frame.side = side;
+    const Frame right = as_right_hand(frame, {.side = option});
+    return right.depth_mm(2, 4) > 0.0f ? 2 : right.depth_mm(17, 4) > 0.0f ? 17 : -1;
+  };
+  EXPECT_EQ(first_column(std::nullopt, "right"), 2);
+  EXPECT_EQ(first_column(std::nullopt, "left"), 17);
+  EXPECT_EQ(first_column(HandSide::left, "right"), 17);
+  EXPECT_EQ(first_column(HandSide::right, "left"), 2);
+}
+
 class TrueStart : public ::testing::Test {
  protected:
   TrueStart() { frame_.truth = HandPose::missing(superset_convention()); }
