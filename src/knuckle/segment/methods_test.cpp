@@ -87,6 +87,29 @@ TEST(MeanShiftSegmenter, LeavesTheFirstHandsPointsOutOfTheSecond) {
   }
 }
 
+TEST(MeanShiftSegmenter, TakesNoSecondHandWithinTheSeparation) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  draw_ball(frame, Point3(-130, 0, 500), 60);
+  draw_ball(frame, Point3(130, 0, 500), 60);
+  const auto hands_at = [&](double separation_mm) {
+    MeanShiftSegmenterOptions options;
+    options.separation_mm = separation_mm;
+    return MeanShiftSegmenter(options).segment(frame, std::nullopt, 2).hands.size();
+  };
+  EXPECT_EQ(hands_at(0.0), 2u);
+  EXPECT_EQ(hands_at(300.0), 1u);
+}
+
+TEST(MeanShiftSegmenter, TheSurestHandComesFirstWhicheverIsNearer) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  draw_ball(frame, Point3(-150, 0, 450), 40);
+  draw_ball(frame, Point3(150, 0, 550), 75);
+  const Segmentation found = MeanShiftSegmenter(MeanShiftSegmenterOptions{}).segment(frame, std::nullopt, 2);
+  ASSERT_EQ(found.hands.size(), 2u);
+  EXPECT_GT(found.hands[0].score, found.hands[1].score);
+  EXPECT_GT(found.hands[0].centre.x(), 0.0);
+}
+
 TEST(MeanShiftSegmenter, TakesNoWallForAHandUnlessItIsToldTo) {
   Frame frame = blank_frame(quarter_vga_camera());
   std::ranges::fill(frame.depth_mm.pixels(), 900.0f);
@@ -138,6 +161,18 @@ TEST(ThresholdSegmenter, TakesTheIntervalOfThePaper) {
   ASSERT_EQ(found.hands.size(), 1u);
   // The median at the border's columns 0 to 2 is that of column 1, at the corners no window is half full.
   EXPECT_EQ(found.hands[0].box, (Box{0, 0, 152, 240}));
+}
+
+TEST(ThresholdSegmenter, TakesHalfTheRangeBeforeAndBehindAGivenStart) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  const std::vector<float> depths = {440, 451, 500, 549, 560};
+  for (std::size_t i = 0; i < depths.size(); ++i) frame.depth_mm(100 + static_cast<int>(i), 50) = depths[i];
+  ThresholdSegmenterOptions options;
+  options.range_mm = 100.0;
+  options.min_area_mm2 = 0.0;
+  const Segmentation found = ThresholdSegmenter(options).segment(frame, Point3(0, 0, 500), 1);
+  ASSERT_EQ(found.hands.size(), 1u);
+  EXPECT_EQ(found.hands[0].box, (Box{101, 50, 3, 1}));
 }
 
 TEST(ThresholdSegmenter, TakesAFixedIntervalWhereAsked) {

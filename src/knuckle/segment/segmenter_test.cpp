@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "knuckle/core/parallel.h"
@@ -274,6 +275,25 @@ TEST(SegmenterFactory, MakesEveryMethodByName) {
     const std::string toml = "method = \"" + std::string(name) + "\"" + model_line(name);
     EXPECT_NE(create_segmenter(OptionTable::parse(toml, "a.toml")), nullptr) << name;
   }
+}
+
+TEST(SegmenterFactory, EveryMethodReadsTheKeysThatAreDocumented) {
+  const auto keys_of = [](std::string_view name) {
+    const OptionTable table = OptionTable::parse(model_line(name), "a.toml");
+    (void)create_segmenter(name, table);
+    std::vector<std::string> keys;
+    std::istringstream lines(table.resolved_toml());
+    for (std::string line; std::getline(lines, line);) keys.push_back(line.substr(0, line.find(' ')));
+    return keys;
+  };
+  using ::testing::UnorderedElementsAre;
+  EXPECT_THAT(keys_of("mean_shift"),
+              UnorderedElementsAre("bandwidth_mm", "tolerance_mm", "max_iterations", "kernel_cutoff",
+                                   "min_area_mm2", "max_area_mm2", "separation_mm", "max_candidates"));
+  EXPECT_THAT(keys_of("threshold"), UnorderedElementsAre("interval", "range_mm", "tolerance_mm", "near_mm",
+                                                         "far_mm", "pixels", "min_area_mm2"));
+  EXPECT_THAT(keys_of("forest"), UnorderedElementsAre("model", "probability", "median_px", "closing_px",
+                                                      "opening_px", "edge_step_mm", "min_area_mm2"));
 }
 
 TEST(SegmenterFactory, NamesTheFaultAndTheKnown) {
