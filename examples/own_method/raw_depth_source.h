@@ -9,7 +9,8 @@
 
 namespace own {
 
-/// Raw depth, as a camera driver gives it: 320 x 240 floats [mm] per frame, one frame after another in a file.
+/// Raw depth, as a camera driver gives it: 320 x 240 floats [mm] per frame, one frame after another in a
+/// file.
 class RawDepthSource final : public knuckle::FrameSource {
  public:
   explicit RawDepthSource(const std::filesystem::path& path) : path_(path) {

@@ -44,8 +44,8 @@ class SceneRenderer {
   bool needs_angles_;
   Skinning skinning_;
   Faces hand_faces_;
-  Faces limb_faces_;  ///< of hand and arm
-  Faces arm_faces_;   ///< of the arm alone
+  Faces limb_faces_;   ///< of hand and arm
+  Faces arm_faces_;    ///< of the arm alone
   Faces trunk_faces_;  ///< of the rest, without the left hand: none is seen that truth does not tell of
 };
 

@@ -112,7 +112,8 @@ class PngDecoder {
     if (width < 1 || height < 1 || width > kSide || height > kSide) {
       fail("{}: has {} x {} pixels, expected 1 to {} a side", origin_, width, height, kSide);
     }
-    PngHeader header{static_cast<int>(width), static_cast<int>(height), content[8], content[9], content[12] != 0};
+    PngHeader header{static_cast<int>(width), static_cast<int>(height), content[8], content[9],
+                     content[12] != 0};
     const bool is_byte = header.depth == 8 || header.depth == 16;
     const bool is_part = header.depth == 1 || header.depth == 2 || header.depth == 4;
     bool is_sound = false;
@@ -183,7 +184,8 @@ class PngDecoder {
       case 0:
         return;
       case 1:
-        for (std::size_t i = step; i < row.size(); ++i) row[i] = static_cast<std::uint8_t>(row[i] + row[i - step]);
+        for (std::size_t i = step; i < row.size(); ++i)
+          row[i] = static_cast<std::uint8_t>(row[i] + row[i - step]);
         return;
       case 2:
         for (std::size_t i = 0; i < row.size(); ++i) row[i] = static_cast<std::uint8_t>(row[i] + above[i]);
@@ -236,8 +238,8 @@ class PngDecoder {
   void place_row(const PngParts& parts, const PngPass& pass, Bytes line, int row, int columns,
                  PngPixels& pixels) const {
     const auto pixel_bytes = static_cast<std::size_t>(pixels.channels * pixels.bits / 8);
-    std::uint8_t* const out =
-        pixels.bytes.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(pixels.width) * pixel_bytes;
+    std::uint8_t* const out = pixels.bytes.data() + static_cast<std::size_t>(row) *
+                                                        static_cast<std::size_t>(pixels.width) * pixel_bytes;
     if (parts.header.depth < 8 || parts.header.type == kPaletteType) {
       for (int i = 0; i < columns; ++i) {
         place_small(parts, sample_of(line, i, parts.header.depth),

@@ -13,14 +13,14 @@ namespace knuckle {
 struct PngPixels {
   int width = 0;
   int height = 0;
-  int channels = 0;               ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
-  int bits = 0;                   ///< 8 or 16 of a channel
+  int channels = 0;                 ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
+  int bits = 0;                     ///< 8 or 16 of a channel
   std::vector<std::uint8_t> bytes;  ///< 16-bit numbers in this machine's order
 };
 
-/// Decodes a PNG (ISO/IEC 15948:2004), its sums and sizes checked first; a file cannot make it take more memory
-/// than a thousand times its own size. Throws an Error of one line that starts with `origin` where the bytes are
-/// cut short, damaged, no PNG, or of an image larger than limits::kImageSide.
+/// Decodes a PNG (ISO/IEC 15948:2004), its sums and sizes checked first; a file cannot make it take more
+/// memory than a thousand times its own size. Throws an Error of one line that starts with `origin` where the
+/// bytes are cut short, damaged, no PNG, or of an image larger than limits::kImageSide.
 PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin);
 
 }  // namespace knuckle
