@@ -17,7 +17,7 @@ packages=(
   libopenexr-dev libdeflate-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
 )
 development_packages=(
-  ccache clang-format clang-tidy doxygen git python3 python3-numpy python3-h5py
+  ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
 )

@@ -2,6 +2,8 @@
 // Bad input ends with status 1 and one line that names file and fault; nothing half-written stays.
 #include "program.h"
 
+#include <sys/stat.h>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/image_io.h"
@@ -314,6 +316,39 @@ TEST_F(BadInputTest, AFrameOfNoiseOrAHandAtTheBorderIsAStatus) {
   }
   ASSERT_THAT(estimate(make_set(blank_)), Succeeded());
   EXPECT_EQ(read_lines(path("poses.txt")).size(), 2u);
+}
+
+/// Runs the program on what is no regular file, which must not keep it waiting.
+TEST_F(BadInputTest, AFifoAFolderADeviceOrASocketInPlaceOfAFile) {
+  ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
+  make_folder(path("folder"));
+  for (const std::string& file : {path("fifo"), path("folder"), std::string("/dev/zero")}) {
+    EXPECT_THAT(inspect("h5:" + file), FailedWith("expected a file, found a"));
+    EXPECT_THAT(inspect("synthetic:" + file), FailedWith("expected a file, found a"));
+    EXPECT_THAT(estimate(kDemoSource, file), FailedWith("expected a file, found a"));
+    EXPECT_THAT(
+        estimate(kDemoSource, pipeline_file("[estimator]\nmethod = 'forest'\nmodel = '" + file + "'\n")),
+        FailedWith("expected a file, found a"));
+    EXPECT_THAT(run_program({"evaluate", "--truth", kDemoSource, "--predictions", "x=" + file}),
+                FailedWith("expected a file, found a"));
+  }
+  const std::string set = make_set(blank_, "convention = 'icg20'");
+  ASSERT_EQ(::mkfifo(path("set/joints.txt").c_str(), 0600), 0);
+  EXPECT_THAT(inspect(set), FailedWith("joints.txt: expected a file, found a FIFO"));
+}
+
+TEST_F(BadInputTest, WhatGoesToTheTerminalIsPrintable) {
+  const ProgramRun run = inspect("folder:/nowhere/\x1b[2J\xff\n");
+  EXPECT_THAT(run, FailedWith("/nowhere/\\x1b[2J\\xff\\n"));
+  write_text_file(path("bad.txt"), "# convention: \x1b]0;title\x07\n");
+  EXPECT_THAT(run_program({"evaluate", "--truth", kDemoSource, "--predictions", "x=" + path("bad.txt")}),
+              FailedWith("\\x1b]0;title\\x07"));
+}
+
+TEST_F(BadInputTest, APosesFileWithALineOfAHundredMegabytes) {
+  write_text_file(path("poses.txt"), "# convention: icg20\n" + std::string(100'000'000, '1') + "\n");
+  EXPECT_THAT(run_program({"evaluate", "--truth", kDemoSource, "--predictions", "x=" + path("poses.txt")}),
+              FailedWith("poses.txt:2: the line has 100000000 characters"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
 #include "knuckle/pipeline/estimate_files.h"
 #include "knuckle/pipeline/run_warnings.h"
 #include "knuckle/prepare/inputs.h"
@@ -59,7 +60,7 @@ void warn_of_replacement(const EstimateArguments& arguments) {
   fmt::print(
       stderr,
       "warning: {}: is left from a run that did not end, and is replaced; --resume would go on with it\n",
-      partial.string());
+      printable(partial.string()));
 }
 
 /// Frames that could not be read: an error, or a warning where the user said so.
@@ -69,7 +70,7 @@ void tell_of_faults(const EstimateArguments& arguments, const RunCounts& counts)
       fmt::format("{} of {} frames could not be read and have no hand in {}; the first is frame {}: {}",
                   counts.unreadable, counts.frames, arguments.out.string(), counts.first_fault, counts.fault);
   if (!arguments.keep_going) throw Error(faults);
-  fmt::print(stderr, "warning: {}\n", faults);
+  fmt::print(stderr, "warning: {}\n", printable(faults));
 }
 
 void run_estimate(const EstimateArguments& arguments) {
@@ -87,7 +88,8 @@ void run_estimate(const EstimateArguments& arguments) {
   fmt::print("{} frames, hand found in {}{}: {}\n", counts.frames, counts.found,
              median_ms ? fmt::format(", median {:.2f} ms per frame", *median_ms) : "",
              arguments.out.string());
-  for (const std::string& message : warnings.messages()) fmt::print(stderr, "warning: {}\n", message);
+  for (const std::string& message : warnings.messages())
+    fmt::print(stderr, "warning: {}\n", printable(message));
   tell_of_faults(arguments, counts);
 }
 

@@ -5,6 +5,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/hand_statistics.h"
 #include "knuckle/eval/pictures/drawing.h"
@@ -53,8 +54,9 @@ void print_camera(const Camera& camera) {
 
 void print_frame(const Frame& frame, std::int64_t index) {
   const DepthSummary depth = summary_of(frame.depth_mm);
-  fmt::print("frame        {} '{}': {} of {} pixels measured, {:g} to {:g} mm\n", index, frame.name,
-             depth.valid_pixels, frame.depth_mm.size(), depth.nearest_mm, depth.farthest_mm);
+  fmt::print("frame        {} '{}': {} of {} pixels measured, {:g} to {:g} mm\n", index,
+             printable(frame.name), depth.valid_pixels, frame.depth_mm.size(), depth.nearest_mm,
+             depth.farthest_mm);
   fmt::print("infrared     {}\n", frame.infrared.empty() ? "no" : "yes");
   fmt::print("mask         {}\n", frame.mask.empty() ? "no" : "yes");
   if (!frame.truth) return;
@@ -99,7 +101,7 @@ void run_inspect(const InspectArguments& arguments) {
   }
   const Frame frame = source->read(arguments.frame);
   const auto convention = source->convention();
-  fmt::print("source       {}\n", arguments.source);
+  fmt::print("source       {}\n", printable(arguments.source));
   fmt::print("frames       {}\n", source->size());
   fmt::print("convention   {}\n", convention ? convention->name : "none (no truth)");
   fmt::print("pixel origin {}\n", source->pixel_origin() == PixelOrigin::centre ? "centre" : "corner");

@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +14,7 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/suggestion.h"
+#include "knuckle/core/text.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/storage/file_io.h"
 
@@ -70,8 +73,15 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
   const bool may_be_mistyped = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
                                error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
   const std::string unknown = may_be_mistyped ? unknown_word(program) : std::string();
-  if (unknown.empty()) return program.exit(error) == 0 ? 0 : kWrongUsage;
-  fmt::print(stderr, "knuckle: {}\n", unknown);
+  if (unknown.empty()) {
+    std::ostringstream faults;
+    const int status = program.exit(error, std::cout, faults);
+    for (const std::string_view line : split(faults.view(), '\n')) {
+      if (!line.empty()) fmt::print(stderr, "{}\n", printable(line));
+    }
+    return status == 0 ? 0 : kWrongUsage;
+  }
+  fmt::print(stderr, "knuckle: {}\n", printable(unknown));
   return kWrongUsage;
 }
 
@@ -126,7 +136,7 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "knuckle: there is not enough memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "knuckle: {}\n", error.what());
+    fmt::print(stderr, "knuckle: {}\n", printable(error.what()));
   }
   return kFailed;
 }

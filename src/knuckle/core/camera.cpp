@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 
 namespace knuckle {
 
@@ -15,6 +16,10 @@ bool Camera::is_distorted() const {
 void check(const Camera& camera) {
   if (camera.width < 1) fail("camera: width is {}, expected at least 1", camera.width);
   if (camera.height < 1) fail("camera: height is {}, expected at least 1", camera.height);
+  if (camera.width > limits::kImageSide || camera.height > limits::kImageSide) {
+    fail("camera: {} x {} pixels, expected at most {} a side", camera.width, camera.height,
+         limits::kImageSide);
+  }
   if (!std::isfinite(camera.fx) || camera.fx == 0.0)
     fail("camera: fx is {}, expected a number but 0", camera.fx);
   if (!std::isfinite(camera.fy) || camera.fy == 0.0)

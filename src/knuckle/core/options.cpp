@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/options.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
 #include <toml++/toml.h>
 
+#include "knuckle/core/limits.h"
 #include "knuckle/core/option_reader.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
@@ -102,14 +105,58 @@ struct OptionTable::State {
 OptionTable::OptionTable(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 OptionTable OptionTable::load(const std::filesystem::path& path) {
-  OptionTable table = parse(read_text_file(path), path.string());
+  OptionTable table = parse(read_regular_file(path, limits::kDocumentBytes), path.string());
   table.state_->folder = path.parent_path();
   return table;
+}
+
+/// Where a comment or a string that begins at `place` ends; `place` itself where there is none.
+std::size_t end_of_text(std::string_view toml, std::size_t place) {
+  if (toml[place] == '#') return std::min(toml.find('\n', place), toml.size());
+  if (toml[place] != '"' && toml[place] != '\'') return place;
+  const std::string mark(1, toml[place]);
+  const std::string triple = mark + mark + mark;
+  const bool is_long = toml.substr(place).starts_with(triple);
+  const std::string& end = is_long ? triple : mark;
+  for (std::size_t i = place + end.size(); i < toml.size(); ++i) {
+    if (toml[i] == '\\' && mark == "\"") {
+      ++i;
+    } else if (toml.substr(i).starts_with(end)) {
+      return i + end.size();
+    } else if (toml[i] == '\n' && !is_long) {
+      return i;
+    }
+  }
+  return toml.size();
+}
+
+/// Throws where so many tables or lists stand in one another that reading them could run out of stack: by the
+/// brackets that are open, and the dots of a key.
+void require_shallow(std::string_view toml, const std::string& origin) {
+  int open = 0;
+  int dots = 0;
+  for (std::size_t i = 0; i < toml.size(); ++i) {
+    const std::size_t end = end_of_text(toml, i);
+    if (end > i) {
+      i = end - 1;
+      continue;
+    }
+    const char c = toml[i];
+    if (c == '[' || c == '{') ++open;
+    if ((c == ']' || c == '}') && open > 0) --open;
+    const bool is_key_over = c == '\n' || c == '=' || c == ',' || c == '[' || c == ']';
+    dots = is_key_over ? 0 : dots + (c == '.' ? 1 : 0);
+    if (open > limits::kNesting || dots > limits::kNesting) {
+      const auto line = 1 + std::ranges::count(toml.substr(0, i), '\n');
+      fail("{}:{}: tables or lists stand in one another more than {} deep", origin, line, limits::kNesting);
+    }
+  }
 }
 
 OptionTable OptionTable::parse(std::string_view toml, const std::string& origin) {
   auto state = std::make_shared<State>();
   state->origin = origin;
+  require_shallow(toml, origin);
   try {
     state->document = std::make_shared<const toml::table>(toml::parse(toml));
   } catch (const toml::parse_error& error) {
@@ -123,7 +170,8 @@ void OptionTable::visit(const std::function<void(OptionVisitor&)>& show_options)
   OptionReader<State> reader(*state_);
   show_options(reader);
   const std::string lines = detail::visited_as_toml(show_options);
-  const bool is_repeated = state_->resolved.find(lines) != std::string::npos;  // read by two components
+  // Read by two components; whole lines, since one may be the end of another.
+  const bool is_repeated = ("\n" + state_->resolved).find("\n" + lines) != std::string::npos;
   if (!is_repeated) state_->resolved += lines;
 }
 

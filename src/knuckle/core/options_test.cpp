@@ -184,5 +184,35 @@ TEST(OptionsTest, PathsStartFromTheFilesFolder) {
   EXPECT_EQ(OptionTable::load(folder / "pipeline.toml").resolved_path("/models/x.h5"), "/models/x.h5");
 }
 
+TEST(OptionsTest, ALineThatIsTheEndOfAnotherIsKept) {
+  const OptionTable table = OptionTable::parse("other_kind = \"a\"\nkind = \"a\"\n", "p.toml");
+  table.text_or("other_kind", "");
+  table.text_or("kind", "");
+  table.text_or("kind", "");
+  EXPECT_EQ(table.resolved_toml(), "other_kind = \"a\"\nkind = \"a\"\n");
+}
+
+TEST(OptionsTest, TablesAndListsTooDeepInOneAnotherAreRefused) {
+  const auto fault = [](const std::string& toml) {
+    return testing::error_of([&] { OptionTable::parse(toml, "p.toml"); });
+  };
+  for (const std::string& open : {std::string("["), std::string("{a="), std::string("[[")}) {
+    std::string toml = "b = 1\na = ";
+    for (int i = 0; i < 10000; ++i) toml += open;
+    EXPECT_THAT(fault(toml), ::testing::HasSubstr("p.toml:2: tables or lists"));
+  }
+  std::string dotted = "a";
+  for (int i = 0; i < 10000; ++i) dotted += ".a";
+  EXPECT_THAT(fault(dotted + " = 1\n"), ::testing::HasSubstr("p.toml:1: tables or lists"));
+  EXPECT_THAT(fault("[" + dotted + "]\n"), ::testing::HasSubstr("p.toml:1: tables or lists"));
+}
+
+TEST(OptionsTest, BracketsInTextsAndCommentsDoNotCount) {
+  std::string toml;
+  for (int i = 0; i < 100; ++i) toml += fmt::format("a{} = \"[ \\\" [\" # in [0, 1)\nb{} = '[[\"'\n", i, i);
+  toml += "c = \"\"\"\n[[[ \" \"\" [\"\"\"\nd = [0.1, 0.2, 0.3]\n";
+  EXPECT_NO_THROW(OptionTable::parse(toml, "p.toml"));
+}
+
 }  // namespace
 }  // namespace knuckle

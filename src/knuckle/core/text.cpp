@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/text.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdint>
 
 #include <fmt/ranges.h>
 
@@ -71,6 +74,62 @@ std::string_view trimmed(std::string_view text) {
 
 std::string joined(const std::vector<std::string>& parts, std::string_view separator) {
   return fmt::format("{}", fmt::join(parts, separator));
+}
+
+namespace {
+
+/// A character of UTF-8 at the front of a text; length 0 where there is none.
+struct Utf8Character {
+  std::uint32_t code = 0;
+  std::size_t length = 0;
+};
+
+Utf8Character first_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+  };
+  const std::uint32_t first = byte(0);
+  if (first < 0x80) return {first, 1};
+  std::size_t length = 0;
+  if (first >= 0xC2 && first <= 0xDF) length = 2;
+  if (first >= 0xE0 && first <= 0xEF) length = 3;
+  if (first >= 0xF0 && first <= 0xF4) length = 4;
+  if (length == 0 || text.size() < length) return {};
+  std::uint32_t code = first & (0x7FU >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80) return {};
+    code = code << 6 | (byte(i) & 0x3FU);
+  }
+  constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
+  const bool is_surrogate = code >= 0xD800 && code <= 0xDFFF;
+  if (code < kLeast[length] || code > 0x10FFFF || is_surrogate) return {};
+  return {code, length};
+}
+
+bool is_control(std::uint32_t code) {
+  const bool is_control_code = code < 0x20 || (code >= 0x7F && code <= 0x9F);
+  const bool turns_writing = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+  const bool is_separator = code == 0x2028 || code == 0x2029;
+  return is_control_code || turns_writing || is_separator;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const auto [code, length] = first_character(text);
+    if (length == 0 || (length == 1 && is_control(code))) {
+      const auto byte = static_cast<unsigned char>(text[0]);
+      shown += byte == '\n' ? "\\n" : byte == '\t' ? "\\t" : fmt::format("\\x{:02x}", byte);
+    } else if (is_control(code)) {
+      shown += fmt::format("\\u{{{:x}}}", code);
+    } else {
+      shown += text.substr(0, length);
+    }
+    text.remove_prefix(std::max<std::size_t>(1, length));
+  }
+  return shown;
 }
 
 }  // namespace knuckle

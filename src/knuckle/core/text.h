@@ -25,6 +25,10 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// `text` without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// `text` as it may be shown on a terminal: control characters, characters that change the direction of
+/// writing, and bytes that are no UTF-8 as \\n, \\t, \\xNN or \\u{NNNN}.
+std::string printable(std::string_view text);
+
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& parts, std::string_view separator = ", ");
 

@@ -45,5 +45,28 @@ TEST(TextTest, TrimmedLosesBlanksAtBothEndsOnly) {
   EXPECT_EQ(trimmed("  "), "");
 }
 
+TEST(TextTest, PrintableEscapesWhatATerminalWouldTakeForACommand) {
+  EXPECT_EQ(printable("knuckle \xC3\xA4 \xE2\x82\xAC \xF0\x9F\x96\x90"),
+            "knuckle \xC3\xA4 \xE2\x82\xAC \xF0\x9F\x96\x90");
+  EXPECT_EQ(printable("a\nb\tc\x1b[2J\x7f\r"), "a\\nb\\tc\\x1b[2J\\x7f\\x0d");
+  EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\x00b");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31m"),
+            "\\u{9b}31m")
+      << "a control sequence in one character";
+  EXPECT_EQ(printable("\xE2\x80\xAE"
+                      "gnp"),
+            "\\u{202e}gnp")
+      << "turns the direction of writing";
+}
+
+TEST(TextTest, PrintableEscapesBytesThatAreNoUtf8) {
+  EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
+  EXPECT_EQ(printable("\xC3"), "\\xc3") << "cut short";
+  EXPECT_EQ(printable("\xC0\xAF"), "\\xc0\\xaf") << "longer than it need be";
+  EXPECT_EQ(printable("\xED\xA0\x80"), "\\xed\\xa0\\x80") << "half of a pair of UTF-16";
+  EXPECT_EQ(printable("\xF4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80") << "beyond Unicode";
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -18,8 +18,9 @@ constexpr std::size_t kColumns = 7;
 
 int whole_number(std::string_view text, long long low, std::string_view where) {
   const long long value = parse_integer(text, where);
-  if (value < low || value > std::numeric_limits<std::int32_t>::max()) {
-    fail("{}: {} is not in [{}, {}]", where, value, low, std::numeric_limits<std::int32_t>::max());
+  constexpr long long kMost = 1'000'000;  // sums of two fit as well
+  if (value < low || value > kMost) {
+    fail("{}: {} is not in [{}, {}]", where, value, low, kMost);
   }
   return static_cast<int>(value);
 }

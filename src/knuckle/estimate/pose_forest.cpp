@@ -118,12 +118,15 @@ void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& 
 }
 
 PoseForestModel load_pose_forest(const std::filesystem::path& path) {
-  const ModelFile file = ModelFile::open(path);
+  return read_pose_forest(ModelFile::open(path));
+}
+
+PoseForestModel read_pose_forest(const ModelFile& file) {
   file.require_format(kFormat, kVersion);
   const std::string kind = file.text("kind");
-  if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", path.string(), kind, kKind);
+  if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", file.origin(), kind, kKind);
   PoseForestModel model{read_convention(file), read_statistics(file), read_forest(file)};
-  check(model, path.string());
+  check(model, file.origin());
   return model;
 }
 

@@ -31,6 +31,8 @@ void save_pose_forest(const std::filesystem::path& path, const PoseForestModel& 
 /// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
 /// version or kind, or where its parts do not fit together or are not finite.
 PoseForestModel load_pose_forest(const std::filesystem::path& path);
+/// The same of a file that is open.
+PoseForestModel read_pose_forest(const ModelFile& file);
 
 /// The model with at most `most_leaves` leaves (or one per tree): smaller, and a little less accurate. A unit
 /// of d counts kDepthWeight against one of u or v, as it does in training by default.

@@ -246,8 +246,15 @@ void save_body(const Body& body, const std::filesystem::path& path) {
   written(body).save(path);
 }
 
+std::string body_hash(const Body& body) {
+  return written(body).content_hash();
+}
+
 Body load_body(const std::filesystem::path& path) {
-  const ModelFile file = ModelFile::open(path);
+  return read_body(ModelFile::open(path));
+}
+
+Body read_body(const ModelFile& file) {
   file.require_format(kFormat, kVersion);
   const Reader reader(file);
   Body body;
@@ -258,7 +265,7 @@ Body load_body(const std::filesystem::path& path) {
   body.shapedirs = reader.read_shapedirs();
   body.joint_regressor = reader.read_groups("joint_regressor", body.names.size());
   read_landmarks(reader, body);
-  check(body, path.string());
+  check(body, file.origin());
   return body;
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "knuckle/hand/body.h"
 
 namespace knuckle {
+
+class ModelFile;
 
 /// Writes a body (storage/model_file.h; format "knuckle-body", version 2); the file appears only when whole.
 /// Arrays, after
@@ -17,8 +20,13 @@ namespace knuckle {
 /// carry.
 void save_body(const Body& body, const std::filesystem::path& path);
 
+/// A hash of all that makes a body: another body has another one.
+std::string body_hash(const Body& body);
+
 /// Reads such a file. Throws an Error that names the file and the fault where it is missing, cut short, of
 /// another format or version, or where its arrays make no body (see `check`).
 Body load_body(const std::filesystem::path& path);
+/// The same of a file that is open.
+Body read_body(const ModelFile& file);
 
 }  // namespace knuckle

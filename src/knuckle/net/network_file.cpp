@@ -59,7 +59,10 @@ void save_network_weights(const std::filesystem::path& path, const NetworkWeight
 }
 
 NetworkWeights load_network_weights(const std::filesystem::path& path) {
-  const ModelFile file = ModelFile::open(path);
+  return read_network_weights(ModelFile::open(path));
+}
+
+NetworkWeights read_network_weights(const ModelFile& file) {
   file.require_format(kNetworkFormat, kNetworkVersion);
   const NetworkOptions options = network_options_from_toml(file.text(kOptions), file.origin());
   const ArraySizes sizes = total_sizes(network_arrays(options));

@@ -9,6 +9,8 @@
 
 namespace knuckle {
 
+class ModelFile;
+
 // A network's file is a model's (storage/model_file.h): the value `options`, its options as TOML; the array
 // `weights`, all arrays of half precision one after another, as bits; and `norms`, the statistics of batch
 // norms in single precision, where there are any.
@@ -25,5 +27,7 @@ void save_network_weights(const std::filesystem::path& path, const NetworkWeight
 /// Reads a network. Throws an Error that names the file where it is missing, cut short, damaged, foreign, of
 /// another version, does not fit its own options, or holds a number that is not finite.
 NetworkWeights load_network_weights(const std::filesystem::path& path);
+/// The same of a file that is open.
+NetworkWeights read_network_weights(const ModelFile& file);
 
 }  // namespace knuckle

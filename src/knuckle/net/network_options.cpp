@@ -10,6 +10,24 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kPeaks = {"gaussian", "mean_shift"};
 
+/// Throws where one patch's features would take more memory than a machine has to spare for each of its
+/// cores: a small file could ask for that.
+void check_memory(const NetworkOptions& options, std::string_view what) {
+  constexpr double kMostFeatures = 1 << 26;  // a quarter of a gigabyte
+  const double pixels = static_cast<double>(options.patch.size_px) * options.patch.size_px;
+  const DenseNetworkOptions& dense = options.dense;
+  const PaperNetworkOptions& paper = options.paper;
+  const double features = options.architecture == "dense"
+                              ? pixels * (dense.stem_channels / 4.0 + dense.quarter_channels / 16.0 +
+                                          dense.eighth_channels / 64.0 + dense.sixteenth_channels / 256.0 +
+                                          dense.head_channels / 16.0)
+                              : pixels * (paper.first_maps + paper.second_maps);
+  if (features > kMostFeatures) {
+    fail("{}: a patch of {} px and so many channels make {:.0f} features per patch, expected at most {:.0f}",
+         what, options.patch.size_px, features, kMostFeatures);
+  }
+}
+
 }  // namespace
 
 void DenseNetworkOptions::visit(OptionVisitor& visitor) {
@@ -54,6 +72,7 @@ void check(const NetworkOptions& options, std::string_view what) {
     fail("{}: size_px is {}, expected a multiple of {}, at least {}, for the network \"{}\"", what, size,
          kNetworkStride, smallest, options.architecture);
   }
+  check_memory(options, what);
 }
 
 std::string network_options_as_toml(const NetworkOptions& options) {

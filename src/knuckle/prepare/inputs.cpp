@@ -8,7 +8,10 @@
 
 #include "knuckle/core/options.h"
 #include "knuckle/data/source_spec.h"
+#include "knuckle/hand/body_file.h"
 #include "knuckle/storage/content_hash.h"
+#include "knuckle/synth/manifest.h"
+#include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {
 namespace {
@@ -45,7 +48,15 @@ Inputs& Inputs::add_source(std::string_view name, const std::string& source) {
   const SourceSpec spec = parse_source_spec(source);
   const std::size_t settings = std::min(source.find('?'), source.size());
   add(name, fmt::format("{}{}", spec.kind, source.substr(settings)));
-  return add_content(fmt::format("{} content", name), spec.path);
+  add_content(fmt::format("{} content", name), spec.path);
+  return spec.kind == "synthetic" ? add_body(name, load_manifest(spec.path)) : *this;
+}
+
+Inputs& Inputs::add_body(std::string_view name, const Manifest& manifest) {
+  const std::string title = fmt::format("{} body", name);
+  const std::string& file = manifest.body.file;
+  if (file.empty()) return add(title, body_hash(body_of(manifest)));
+  return add_content(title, manifest.path.parent_path() / file);
 }
 
 Inputs& Inputs::add_pipeline(const std::filesystem::path& pipeline) {

@@ -7,6 +7,8 @@
 
 namespace knuckle {
 
+struct Manifest;
+
 /// All that an outcome depends on, as lines of text: where they are the same again, it need not be made
 /// again.
 class Inputs {
@@ -16,7 +18,8 @@ class Inputs {
   Inputs& add_content(std::string_view name, const std::filesystem::path& path);
   /// The content of a file, or that there is none.
   Inputs& add_content_if_there(std::string_view name, const std::filesystem::path& path);
-  /// A source of frames: its kind and settings, and the content of its file or folder, wherever that lies.
+  /// A source of frames: its kind and settings, and the content of its file or folder, wherever that lies; of
+  /// a manifest the body that it shows, too.
   Inputs& add_source(std::string_view name, const std::string& source);
   /// A pipeline file with the models that it names.
   Inputs& add_pipeline(const std::filesystem::path& pipeline);
@@ -26,6 +29,9 @@ class Inputs {
   const std::string& text() const { return text_; }
 
  private:
+  /// The body that a manifest shows.
+  Inputs& add_body(std::string_view name, const Manifest& manifest);
+
   std::string text_;
 };
 

@@ -8,9 +8,12 @@
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/hand/body_file.h"
 #include "knuckle/prepare/sample_file.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/synth/manifest.h"
+#include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {
 namespace {
@@ -143,6 +146,23 @@ TEST_F(SampleCacheTest, NamesAFolderThatCannotBeMadeOrWrittenTo) {
   EXPECT_THAT(error_of([&] { SampleCache(folder_ / "file" / "cache"); }), HasSubstr("file/cache"));
   std::filesystem::remove_all(folder_ / "cache");
   EXPECT_THAT(error_of([&] { samples(); }), AllOf(HasSubstr("/cache/"), HasSubstr("samples_")));
+}
+
+TEST_F(SampleCacheTest, NoticesAnotherBody) {
+  Body body = body_of(load_manifest(folder_ / "demo.toml"));
+  const auto samples_of = [&] {
+    save_body(body, folder_ / "body.model");
+    return samples("own.toml", "?count=1");
+  };
+  std::string manifest = read_text_file(folder_ / "demo.toml");
+  manifest.replace(manifest.find("[body]"), 6, "[body]\nfile = \"body.model\"");
+  write_text_file(folder_ / "own.toml", manifest);
+  samples_of();
+  samples_of();
+  EXPECT_EQ(files().size(), 1u);
+  body.v_template[0].x() += 1.0F;
+  samples_of();
+  EXPECT_EQ(files().size(), 2u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/deflate.h"
@@ -59,6 +60,11 @@ class SampleReader {
     }
     count_ = codes[0];
     crop_px_ = static_cast<int>(codes[1]);
+    if (codes[1] > static_cast<std::uint64_t>(limits::kImageSide) ||
+        !(patch[0] >= 1 && patch[0] <= limits::kImageSide && patch[1] > 0 && std::isfinite(patch[1])) ||
+        joints_.shape[1] > static_cast<std::uint64_t>(limits::kJoints)) {
+      damaged("its patch or its joints are out of range");
+    }
     patch_ = {static_cast<int>(patch[0]), patch[1]};
   }
 
@@ -122,7 +128,10 @@ NetworkSamples read_samples(const std::filesystem::path& path, const Inputs& inp
     fail("{}: holds samples of other sources or options", path.string());
   }
   const std::vector<double> frames = file.numbers_attribute("frames");
-  if (frames.size() != 3) fail("{}: `frames` has {} numbers, expected 3", path.string(), frames.size());
+  const auto is_count = [](double x) { return x >= 0 && x <= static_cast<double>(limits::kFrames); };
+  if (frames.size() != 3 || !std::ranges::all_of(frames, is_count)) {
+    fail("{}: `frames` has {} numbers, expected 3 numbers of frames", path.string(), frames.size());
+  }
   return {SampleReader(file).read(),
           {static_cast<std::int64_t>(frames[0]), static_cast<std::int64_t>(frames[1]),
            static_cast<std::int64_t>(frames[2])}};

@@ -10,8 +10,10 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/data/source_spec.h"
+#include "knuckle/hand/body_file.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/synth/manifest.h"
+#include "knuckle/synth/synthetic_source.h"
 
 namespace fs = std::filesystem;
 
@@ -45,8 +47,9 @@ std::string listing_of(const fs::path& folder, const std::set<fs::path>& except)
 
 std::string state_of_synthetic(const fs::path& path) {
   const Manifest manifest = load_manifest(path);
-  const fs::path body = path.parent_path() / manifest.body.file;
-  return fmt::format("{}\n{}", manifest.resolved, manifest.body.file.empty() ? "" : state_of(body));
+  const std::string& file = manifest.body.file;
+  return fmt::format("{}\n{}", manifest.resolved,
+                     file.empty() ? body_hash(body_of(manifest)) : state_of(path.parent_path() / file));
 }
 
 }  // namespace

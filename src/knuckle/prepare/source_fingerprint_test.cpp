@@ -64,9 +64,9 @@ TEST_F(SourceFingerprintTest, OfASyntheticSourceTheManifestCounts) {
 }
 
 TEST_F(SourceFingerprintTest, OfASyntheticSourceTheBodyCounts) {
-  write_text_file(folder_ / "m.toml", "frames = 3\n[body]\nfile = 'body.h5'\n");
+  write_text_file(folder_ / "m.toml", "frames = 3\n[body]\nfile = 'body.model'\n");
   const auto with_body = [&](const std::string& content) {
-    write_text_file(folder_ / "body.h5", content);
+    write_text_file(folder_ / "body.model", content);
     return source_fingerprint("synthetic:" + (folder_ / "m.toml").string());
   };
   EXPECT_NE(with_body("one body"), with_body("another body"));

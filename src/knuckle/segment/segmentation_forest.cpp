@@ -24,10 +24,13 @@ void save_segmentation_forest(const std::filesystem::path& path, const PixelFore
 }
 
 PixelForest load_segmentation_forest(const std::filesystem::path& path) {
-  const ModelFile file = ModelFile::open(path);
+  return read_segmentation_forest(ModelFile::open(path));
+}
+
+PixelForest read_segmentation_forest(const ModelFile& file) {
   file.require_format(kFormat, kVersion);
   const std::string kind = file.text("kind");
-  if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", path.string(), kind, kKind);
+  if (kind != kKind) fail("{}: a forest of kind \"{}\", expected \"{}\"", file.origin(), kind, kKind);
   return read_pixel_forest(file);
 }
 

@@ -14,5 +14,7 @@ void save_segmentation_forest(const std::filesystem::path& path, const PixelFore
 /// Reads it back. Throws an Error that names the file where it is missing, cut short, foreign, of another
 /// version or kind, or where its parts do not fit together.
 PixelForest load_segmentation_forest(const std::filesystem::path& path);
+/// The same of a file that is open.
+PixelForest read_segmentation_forest(const ModelFile& file);
 
 }  // namespace knuckle

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/regular_file.h"
 
 namespace knuckle {
 namespace {
@@ -20,6 +21,7 @@ std::string hexadecimal(const XXH128_hash_t& hash) {
 }  // namespace
 
 std::string content_hash(const std::filesystem::path& file) {
+  require_regular_file(file);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) fail("{}: cannot be read", file.string());
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
@@ -28,26 +29,43 @@ void flush_to_disk(const std::filesystem::path& path, const std::filesystem::pat
   if (result != 0) fail("{}: cannot write: {}", named.string(), system_message(code));
 }
 
-/// Removes a temporary file at the end of its scope, unless it was renamed.
+/// 64 random bits: nobody can put a file or a link where ours will lie.
+std::string unpredictable_name() {
+  std::uint64_t number = 0;
+  while (::getrandom(&number, sizeof(number), 0) != sizeof(number)) {
+  }
+  return fmt::format("{:016x}", number);
+}
+
+/// Keeps the extension: writers such as OpenCV's choose their format by it.
+std::filesystem::path temporary_name(const std::filesystem::path& path) {
+  return path.parent_path() / fmt::format(".{}.{}.partial{}", path.stem().string(), unpredictable_name(),
+                                          path.extension().string());
+}
+
+/// A new, empty file beside `named`; removed at the end of its scope, unless it was renamed.
 struct TemporaryFile {
   std::filesystem::path path;
+
+  explicit TemporaryFile(const std::filesystem::path& named) : path(temporary_name(named)) {
+    constexpr int kMode = 0666;
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode);
+    if (descriptor < 0) fail("{}: cannot write: {}", named.string(), system_message(errno));
+    ::close(descriptor);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
   ~TemporaryFile() {
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
   }
 };
 
-std::filesystem::path temporary_name(const std::filesystem::path& path) {
-  // Keeps the extension: writers such as OpenCV's choose their format by it.
-  return path.parent_path() /
-         fmt::format(".{}.{}.partial{}", path.stem().string(), ::getpid(), path.extension().string());
-}
-
 }  // namespace
 
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path&)>& write) {
-  const TemporaryFile temporary{temporary_name(path)};
+  const TemporaryFile temporary(path);
   write(temporary.path);
   publish_file(temporary.path, path);
 }
@@ -57,6 +75,15 @@ void publish_file(const std::filesystem::path& temporary, const std::filesystem:
   std::error_code fault;
   std::filesystem::rename(temporary, path, fault);
   if (fault) fail("{}: cannot write: {}", path.string(), fault.message());
+  sync_folder_of(path);
+}
+
+void sync_folder_of(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
 }
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
@@ -71,9 +98,7 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
 
 void check_writable(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) fail("{}: cannot write: it is a folder", path.string());
-  const TemporaryFile temporary{temporary_name(path)};
-  errno = 0;
-  if (!std::ofstream(temporary.path)) fail("{}: cannot write: {}", path.string(), system_message(errno));
+  const TemporaryFile temporary(path);
 }
 
 void make_folder(const std::filesystem::path& folder) {

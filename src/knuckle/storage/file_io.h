@@ -8,13 +8,18 @@
 namespace knuckle {
 
 /// Writes a file so that it appears under its name only when whole: `write` fills a temporary file beside it
-/// (it is handed that path), which is then flushed to the disk and renamed. Whatever goes wrong (an exception
-/// of `write`, a full disk), the temporary file is removed, a former file of that name stays, and an Error
-/// names `path`.
+/// (it is handed that path; the file is there, empty, under a name that nobody can guess), which is then
+/// flushed to the disk and renamed. Whatever goes wrong (an exception of `write`, a full disk), the temporary
+/// file is removed, a former file of that name stays, and an Error names `path`.
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path& temporary)>& write);
 
-/// Flushes a file that is whole to the disk and gives it its final name. An Error names `path`.
+/// Hands the names in a file's folder to the disk: a rename is there when its folder is. Not every file
+/// system can do that; it is no fault then.
+void sync_folder_of(const std::filesystem::path& path);
+
+/// Flushes a file that is whole to the disk, gives it its final name and flushes that, too. An Error names
+/// `path`.
 void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& path);
 
 /// Writes `text` as a file, atomically.

@@ -88,6 +88,7 @@ TEST(FileIoTest, ADiskThatFillsUpLeavesTheFormerFileAndNothingElse) {
 TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
   const TemporaryFolder folder;
   const auto fill_the_disk = [](const std::filesystem::path& temporary) {
+    std::filesystem::remove(temporary);
     std::filesystem::create_symlink("/dev/full", temporary);
     std::ofstream stream(temporary);
     stream << "text";
@@ -97,6 +98,22 @@ TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
   EXPECT_THAT(error_of([&] { write_file_atomically(folder / "report.html", fill_the_disk); }),
               HasSubstr("report.html"));
   EXPECT_EQ(entries_in(folder.path()), 0u);
+}
+
+TEST(FileIoTest, TemporaryNamesCannotBeGuessed) {
+  const TemporaryFolder folder;
+  std::vector<std::string> names;
+  for (int i = 0; i < 2; ++i) {
+    write_file_atomically(folder / "file.txt", [&](const std::filesystem::path& temporary) {
+      EXPECT_TRUE(std::filesystem::is_regular_file(temporary)) << "it is ours before anybody writes";
+      EXPECT_EQ(temporary.extension(), ".txt");
+      names.push_back(temporary.string());
+      std::ofstream(temporary) << "text";
+    });
+  }
+  EXPECT_NE(names[0], names[1]);
+  EXPECT_EQ(names[0].find(std::to_string(::getpid())), std::string::npos);
+  EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 
 }  // namespace

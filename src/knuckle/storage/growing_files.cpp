@@ -14,7 +14,9 @@
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/text.h"
+#include "knuckle/storage/file_io.h"
 
 namespace fs = std::filesystem;
 
@@ -31,7 +33,9 @@ constexpr std::string_view kWhole = "whole";  // the journal's last line: every 
 
 int open_file(const fs::path& path, int flags) {
   constexpr int kMode = 0666;
-  return ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, kMode);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, kMode);
+  if (descriptor >= 0) require_regular_file(path);
+  return descriptor;
 }
 
 void write_piece(int descriptor, std::uint64_t offset, std::string_view text, const fs::path& named) {
@@ -50,15 +54,6 @@ void cut(int descriptor, std::uint64_t size, const fs::path& named) {
 
 void sync(int descriptor, const fs::path& named) {
   if (::fsync(descriptor) != 0) fail_to_write(named, errno);
-}
-
-/// A rename is on the disk when its folder is. Not every file system can do that; it is no fault then.
-void sync_folder_of(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
 }
 
 std::uint64_t size_of(int descriptor) {

@@ -13,6 +13,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
+#include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/deflate.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/zip_archive.h"
@@ -168,6 +169,12 @@ std::string ModelWriter::header() const {
     if (array.is_shuffled()) header["arrays"][name]["shuffled"] = true;
   }
   return header.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string ModelWriter::content_hash() const {
+  std::string content = header();
+  for (const auto& [name, array] : arrays_) content.append(array.bytes.begin(), array.bytes.end());
+  return text_hash(content);
 }
 
 std::vector<std::uint8_t> ModelWriter::bytes() const {

@@ -53,6 +53,8 @@ class ModelWriter {
   /// Another format or version than it was made with.
   void set_format(std::string_view format, int version);
 
+  /// A hash of the content (storage/content_hash.h).
+  std::string content_hash() const;
   /// The file's bytes: the same content makes the same.
   std::vector<std::uint8_t> bytes() const;
   /// Writes the file, atomically. Throws an Error that names it where it cannot be written.

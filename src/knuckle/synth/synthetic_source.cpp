@@ -227,12 +227,12 @@ Body default_body(const std::filesystem::path& manifest) {
       manifest.string(), installed.string(), folder.string());
 }
 
+}  // namespace
+
 Body body_of(const Manifest& manifest) {
   if (manifest.body.file.empty()) return default_body(manifest.path);
   return load_body(manifest.path.parent_path() / manifest.body.file);
 }
-
-}  // namespace
 
 std::unique_ptr<FrameSource> create_synthetic(const Manifest& manifest, std::shared_ptr<const Body> body) {
   return std::make_unique<SyntheticSource>(manifest, std::move(body));

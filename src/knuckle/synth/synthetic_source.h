@@ -16,6 +16,9 @@ namespace knuckle {
 /// an Error that names the file where the manifest is faulty or its body is missing.
 std::unique_ptr<FrameSource> open_synthetic(const std::filesystem::path& manifest);
 
+/// The body that a manifest names: its file, or MakeHuman's. Throws an Error that names what is missing.
+Body body_of(const Manifest& manifest);
+
 /// The same of a manifest and a body in memory.
 std::unique_ptr<FrameSource> create_synthetic(const Manifest& manifest, std::shared_ptr<const Body> body);
 

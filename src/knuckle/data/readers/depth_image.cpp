@@ -2,13 +2,10 @@
 #include "knuckle/data/readers/depth_image.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "knuckle/core/empty_blocks.h"
-#include "knuckle/data/readers/image_io.h"
 
 namespace knuckle {
 
@@ -39,18 +36,6 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
     }
   });
   return counts;
-}
-
-Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path) {
-  constexpr std::size_t kBitDepthOffset =
-      24;  // signature (8), chunk length and name (8), width and height (8)
-  std::array<char, kBitDepthOffset + 1> header{};
-  std::ifstream(path, std::ios::binary).read(header.data(), header.size());
-  if (header.back() != 8) return read_png16(path);
-  const Image<std::uint8_t> narrow = read_png8(path);
-  Image<std::uint16_t> image(narrow.width(), narrow.height());
-  std::ranges::copy(narrow.pixels(), image.pixels().begin());
-  return image;
 }
 
 Image<std::uint8_t> mask_from_pixels(Image<std::uint8_t> pixels) {

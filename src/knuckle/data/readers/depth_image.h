@@ -11,8 +11,6 @@
 
 namespace knuckle {
 
-inline constexpr int kLargestImageSide = 65536;  ///< Width or height of an image in a file, at most [px]
-
 /// Depth in millimetres from stored whole numbers; 0 stays 0, no measurement.
 Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm);
 
@@ -20,7 +18,7 @@ Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_m
 /// Throws an Error that starts with `where` where a depth exceeds what 16 bits hold.
 Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit_mm, std::string_view where);
 
-/// Reads a PNG of one channel with 8 or 16 bits.
+/// Reads a PNG of one channel with 8 or 16 bits; see read_png16.
 Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path);
 
 /// 1 where a pixel is not 0.

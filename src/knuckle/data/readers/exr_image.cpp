@@ -11,7 +11,8 @@
 #include <ImfOutputFile.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -34,13 +35,33 @@ Imf::Slice slice_of(Image<float>& image, int x, int y) {
   return Imf::Slice::Make(Imf::FLOAT, image.data(), window, sizeof(float), sizeof(float) * image.width());
 }
 
+bool limit_image_size() {
+  Imf::Header::setMaxImageSize(limits::kImageSide, limits::kImageSide);
+  Imf::Header::setMaxTileSize(limits::kImageSide, limits::kImageSide);
+  return true;
+}
+
+/// Throws where a file is too small for that many pixels, however well they are compressed.
+void require_room(const std::string& name, std::int64_t pixels) {
+  constexpr std::int64_t kPixelsPerByte = 4096;
+  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(name));
+  if (pixels / kPixelsPerByte > bytes) {
+    fail("{}: says that it holds {} pixels, more than {} bytes can; it is damaged", name, pixels, bytes);
+  }
+}
+
 Image<float> read_channel(const std::string& name) {
+  require_regular_file(name);
+  // Before the library takes memory for a row of blocks by what a header says.
+  [[maybe_unused]] static const bool is_limited = limit_image_size();
   Imf::InputFile file(name.c_str(), 1);
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1 || width > kLargestImageSide || height > kLargestImageSide)
-    fail("{}: has an impossible size of {}x{} pixels", name, width, height);
+  if (width < 1 || height < 1 || width > limits::kImageSide || height > limits::kImageSide) {
+    fail("{}: has {} x {} pixels, expected 1 to {} a side", name, width, height, limits::kImageSide);
+  }
+  require_room(name, width * height);
   const std::string channel = depth_channel(file.header().channels(), name);
   Image<float> image(static_cast<int>(width), static_cast<int>(height));
   Imf::FrameBuffer buffer;

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/core/limits.h"
 
 namespace knuckle {
 namespace {
@@ -69,8 +69,8 @@ std::string top_as_toml(const FolderDescription& description) {
 
 void CameraOptions::visit(OptionVisitor& visitor) {
   visitor.choice("model", model, kModels);
-  visitor.integer("width", width, closed(1, kLargestImageSide));
-  visitor.integer("height", height, closed(1, kLargestImageSide));
+  visitor.integer("width", width, closed(1, limits::kImageSide));
+  visitor.integer("height", height, closed(1, limits::kImageSide));
   visitor.real("fx", fx, {});
   visitor.real("fy", fy, {});
   visitor.real("cx", cx, {});

@@ -16,8 +16,8 @@ namespace knuckle {
 /// The `[camera]` table of a dataset.toml, in the pixel origin of the set.
 struct CameraOptions {
   std::string model = "projective";  ///< projective | orthographic
-  int width = 0;                     ///< [1, 65536] [px]
-  int height = 0;                    ///< [1, 65536] [px]
+  int width = 0;                     ///< [1, 16384] [px]
+  int height = 0;                    ///< [1, 16384] [px]
   double fx = 0;                     ///< [px], or px per mm for an orthographic camera; not 0
   double fy = 0;                     ///< the same down the image
   double cx = 0;                     ///< [px]

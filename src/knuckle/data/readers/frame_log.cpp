@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/storage/deflate.h"
 
 namespace fs = std::filesystem;
@@ -34,7 +35,7 @@ std::string system_message(int code) {
 
 int open_for_this_run(const fs::path& path) {
   constexpr int kMode = 0666;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, kMode);
   if (descriptor < 0) fail("{}: cannot write: {}", path.string(), system_message(errno));
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     ::close(descriptor);
@@ -60,6 +61,8 @@ std::vector<std::uint8_t> record_of(std::int64_t index, std::span<const std::uin
 }  // namespace
 
 bool is_frame_log(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;
   std::string start(kMagic.size(), '\0');
   std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
   return start == kMagic;
@@ -69,6 +72,7 @@ FrameLog::FrameLog(fs::path path, std::string_view identity)
     : path_(std::move(path)), descriptor_(open_for_this_run(path_)) {
   const std::string head = fmt::format("{}{}\n{}\n", kMagic, identity.size(), identity);
   try {
+    require_regular_file(path_);
     restore(head);
   } catch (...) {
     ::close(descriptor_);
@@ -111,7 +115,9 @@ bool FrameLog::restore_record(std::uint64_t file_size) {
   if (!read_at(start, content)) return false;
   if (!read_at(start + head.size, {reinterpret_cast<std::uint8_t*>(&sum), sizeof(sum)})) return false;
   std::vector<std::uint8_t> expected = record_of(head.index, content);
-  if (std::memcmp(&sum, expected.data() + expected.size() - sizeof(sum), sizeof(sum)) != 0) return false;
+  Checksum expected_sum = 0;
+  std::memcpy(&expected_sum, expected.data() + expected.size() - sizeof(sum), sizeof(sum));
+  if (!is_sum(sum, expected_sum)) return false;
   records_[head.index] = {start, head.size};
   end_ += expected.size();
   return true;

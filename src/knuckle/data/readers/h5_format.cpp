@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
-#include "knuckle/data/readers/depth_image.h"
+#include "knuckle/core/limits.h"
 
 namespace knuckle {
 namespace {
@@ -18,7 +18,7 @@ constexpr std::int8_t kSideUnknown = -1;
 
 int size_attribute(const Hdf5File& file, std::string_view name) {
   const double value = file.number_attribute(name);
-  if (!(value >= 1 && value <= kLargestImageSide) || value != std::floor(value))
+  if (!(value >= 1 && value <= limits::kImageSide) || value != std::floor(value))
     fail("{}: the attribute '{}' is {}, expected a number of pixels", file.path().string(), name, value);
   return static_cast<int>(value);
 }

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/h5_format.h"
@@ -34,6 +35,15 @@ double depth_unit_of(const Hdf5File& file) {
   return unit_mm;
 }
 
+std::int64_t first_index_of(const Hdf5File& file) {
+  const double first = file.number_attribute("first_index");
+  if (!(first >= 0 && first <= static_cast<double>(limits::kFrames) && first == std::floor(first))) {
+    fail("{}: the attribute 'first_index' is {}, expected a whole number from 0 to {}", file.path().string(),
+         first, limits::kFrames);
+  }
+  return static_cast<std::int64_t>(first);
+}
+
 }  // namespace
 
 H5Source::H5Source(const std::filesystem::path& path)
@@ -41,7 +51,7 @@ H5Source::H5Source(const std::filesystem::path& path)
       bytes_(std::filesystem::file_size(path)),
       camera_(read_camera(file_)),
       depth_unit_mm_(depth_unit_of(file_)),
-      first_index_(static_cast<std::int64_t>(file_.number_attribute("first_index"))),
+      first_index_(first_index_of(file_)),
       has_infrared_(file_.has(kH5Infrared)),
       has_mask_(file_.has(kH5Mask)),
       has_joints_(file_.has(kH5Joints)),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <ImfChannelList.h>
@@ -8,6 +9,7 @@
 #include <ImfOutputFile.h>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/csv_image.h"
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/depth_image.h"
@@ -135,6 +137,44 @@ TEST(DepthImage, RefusesDepthsThatDoNotFit) {
   EXPECT_THAT(error_of([] { counts_from_depth(Image<float>(1, 1, 6554.0f), 0.1, "here"); }),
               AllOf(HasSubstr("here"), HasSubstr("6554"), HasSubstr("0.1")));
   EXPECT_EQ(counts_from_depth(Image<float>(1, 1, 6553.5f), 0.1, "here")(0, 0), 65535);
+}
+
+TEST(CsvImage, RefusesSizesAndNumbersThatNoDepthImageHas) {
+  const testing::TemporaryFolder folder;
+  const auto fault = [&](const std::string& text) {
+    put_file(folder / "a.csv", text);
+    return error_of([&] { read_csv_image(folder / "a.csv"); });
+  };
+  std::string rows;
+  for (int i = 0; i < 16385; ++i) rows += "1\n";
+  EXPECT_THAT(fault(rows), HasSubstr("16385 rows, expected at most 16384"));
+  std::string wide;
+  for (int i = 0; i < 16385; ++i) wide += "1,";
+  EXPECT_THAT(fault(wide + "\n"), HasSubstr("16385 values, expected at most 16384"));
+  wide.resize(2 * 16384);
+  std::string short_rows = wide;
+  for (int i = 0; i < 16383; ++i) short_rows += "\n1";
+  EXPECT_THAT(fault(short_rows), HasSubstr("line 2 is too short")) << "a gigabyte for 65 KB";
+  EXPECT_THAT(fault("1,1e200\n"), HasSubstr("too large"));
+}
+
+/// An EXR whose header says another size.
+TEST(ExrImage, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
+  const testing::TemporaryFolder folder;
+  write_exr(folder / "a.exr", ramp(37, 21));
+  std::string bytes = read_text_file(folder / "a.exr");
+  const auto with_window = [&](std::int32_t right, std::int32_t bottom) {
+    for (const char* name : {"dataWindow", "displayWindow"}) {
+      const std::size_t place = bytes.find(name) + std::strlen(name) + 1 + std::strlen("box2i") + 1 + 4 + 8;
+      std::memcpy(bytes.data() + place, &right, sizeof(right));
+      std::memcpy(bytes.data() + place + 4, &bottom, sizeof(bottom));
+    }
+    put_file(folder / "b.exr", bytes + std::string(20000, '\0'));
+    return error_of([&] { read_exr(folder / "b.exr"); });
+  };
+  EXPECT_THAT(with_window(65535, 65535), HasSubstr("b.exr"));
+  EXPECT_THAT(with_window(16383, 16383), HasSubstr("b.exr: says that it holds 268435456 pixels"));
+  EXPECT_THAT(with_window(2147483646, 0), HasSubstr("b.exr"));
 }
 
 }  // namespace

@@ -13,6 +13,19 @@ namespace fs = std::filesystem;
 
 namespace knuckle {
 
+namespace {
+
+/// Throws where a name leads out of the folder of the images, as far as its text says.
+void require_inside(const std::string& name, const std::string& where) {
+  const fs::path path(name);
+  const bool climbs = std::ranges::any_of(path, [](const fs::path& part) { return part == ".."; });
+  if (climbs || path.is_absolute() || name.find('\0') != std::string::npos) {
+    fail("{}: names '{}', which does not lie in the folder of the images", where, name);
+  }
+}
+
+}  // namespace
+
 LabelledImages::LabelledImages(fs::path images, const std::optional<fs::path>& annotation)
     : images_(std::move(images)) {
   require_folder(images_);
@@ -40,6 +53,7 @@ LabelledImages::Entry LabelledImages::read(std::int64_t index, std::size_t numbe
   const std::string name = line.substr(name_start, name_end - name_start);
   if (!name.ends_with(".png"))
     fail("{}: starts with '{}', expected the name of a .png", lines_->where(index), name);
+  require_inside(name, lines_->where(index));
   return {name, images_ / name,
           parse_annotation(std::string_view(line).substr(name_end), number_count, lines_->where(index))};
 }

@@ -4,6 +4,8 @@
 #include <fstream>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 
 namespace knuckle {
 namespace {
@@ -17,6 +19,7 @@ bool is_blank(char c) {
 }  // namespace
 
 LineIndex::LineIndex(std::filesystem::path path) : path_(std::move(path)) {
+  require_regular_file(path_);
   std::ifstream file(path_, std::ios::binary);
   if (!file) fail("{}: cannot open the file", path_.string());
   std::vector<char> block(kBlockBytes);
@@ -27,6 +30,9 @@ LineIndex::LineIndex(std::filesystem::path path) : path_(std::move(path)) {
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
     const char* const end = block.data() + file.gcount();
     for (const char* c = block.data(); c != end; ++c, ++offset) {
+      if (offset - line_start > static_cast<std::uint64_t>(limits::kLineLength)) {
+        fail("{}:{}: the line has more than {} characters", path_.string(), number, limits::kLineLength);
+      }
       if (*c == '\n') {
         line_start = offset + 1;
         ++number;

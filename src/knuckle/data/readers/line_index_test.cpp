@@ -58,5 +58,11 @@ TEST(LineIndex, AnEmptyFileHasNoLines) {
   EXPECT_EQ(LineIndex(folder / "empty.txt").size(), 0);
 }
 
+TEST(LineIndex, ALineThatIsTooLongIsRefused) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "a.txt", "1\n" + std::string((std::size_t{1} << 20) + 2, '1') + "\n");
+  EXPECT_THAT(error_of([&] { LineIndex(folder / "a.txt"); }), HasSubstr("a.txt:2: the line has more than"));
+}
+
 }  // namespace
 }  // namespace knuckle

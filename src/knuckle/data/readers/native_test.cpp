@@ -245,5 +245,21 @@ TEST(Msra15, ReadsTheRealLayoutOfJoints) {
   }
 }
 
+// --- names ---
+
+TEST(LabelledNames, ThatLeadOutOfTheFolderAreRefused) {
+  const testing::TemporaryFolder folder;
+  put_icvl(folder.path());
+  fs::copy_file(folder / "Depth" / "seq" / "image_0000.png", folder / "secret.png");
+  for (const std::string& name : {std::string("../secret.png"), std::string("seq/../../secret.png"),
+                                  (folder / "secret.png").string()}) {
+    put_file(folder / "labels.txt", name + " " + numbers_text(48, 1.5) + "\n");
+    EXPECT_THAT(error_of([&] { IcvlSource(folder.path(), {}).read(0); }),
+                AllOf(HasSubstr("labels.txt:1"), HasSubstr("does not lie in the folder")));
+  }
+  put_file(folder / "labels.txt", "seq/image_0000.png " + numbers_text(48, 1.5) + "\n");
+  EXPECT_NO_THROW(IcvlSource(folder.path(), {}).read(0)) << "a folder within is fine";
+}
+
 }  // namespace
 }  // namespace knuckle

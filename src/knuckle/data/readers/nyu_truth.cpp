@@ -2,6 +2,7 @@
 #include "knuckle/data/readers/nyu_truth.h"
 
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -10,6 +11,8 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/landmarks.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/data/truth.h"
 
 namespace knuckle {
@@ -55,13 +58,35 @@ void require_whole(const std::filesystem::path& path) {
   if (!file || place != file_bytes) fail("{}: is cut short or damaged", path.string());
 }
 
+bool silence_library() {
+  return Mat_LogInitFunc("knuckle", [](int, char*) {}) == 0;
+}
+
+/// Throws where a file is too small for so many labels, however well they are compressed; before memory is
+/// taken.
+void require_room(const std::filesystem::path& path, std::size_t views, std::size_t frames) {
+  constexpr std::size_t kDeflatesLimit = 1032;
+  constexpr std::size_t kMostViews = 64;
+  const std::size_t most =
+      std::filesystem::file_size(path) * kDeflatesLimit / (kJointCount * 3 * sizeof(double));
+  if (views > kMostViews || frames > static_cast<std::size_t>(limits::kFrames) || views * frames > most) {
+    fail("{}: '{}' says that it has {} views of {} frames, more than the file can hold; it is damaged",
+         path.string(), kArray, views, frames);
+  }
+}
+
 /// Reads the array whole, 190 MB for the training set, for the time of opening: one frame's labels are
 /// spread over all of it, and a compressed array must be inflated from its start.
 Labels read_labels(const std::filesystem::path& path) {
   const std::string name = path.string();
+  require_regular_file(path);
+  [[maybe_unused]] static const bool is_silent = silence_library();
   const std::unique_ptr<mat_t, MatCloser> file(Mat_Open(name.c_str(), MAT_ACC_RDONLY));
   if (!file) fail("{}: cannot be opened as a Matlab file", name);
-  if (Mat_GetVersion(file.get()) == MAT_FT_MAT5) require_whole(path);
+  if (Mat_GetVersion(file.get()) != MAT_FT_MAT5) {
+    fail("{}: expected a Matlab file of version 5 (save it with -v7 or -v6)", name);
+  }
+  require_whole(path);
   Labels labels{std::unique_ptr<matvar_t, MatCloser>(Mat_VarReadInfo(file.get(), kArray))};
   const matvar_t* array = labels.array.get();
   if (array == nullptr) fail("{}: has no array '{}', or is cut short", name, kArray);
@@ -72,9 +97,17 @@ Labels read_labels(const std::filesystem::path& path) {
     fail("{}: '{}' is not views x frames x {} x 3", name, kArray, kJointCount);
   labels.views = array->dims[0];
   labels.frames = array->dims[1];
+  require_room(path, array->dims[0], array->dims[1]);
   if (Mat_VarReadDataAll(file.get(), labels.array.get()) != 0 || array->data == nullptr)
     fail("{}: '{}' is cut short or damaged", name, kArray);
   return labels;
+}
+
+float checked_label(double value, const std::filesystem::path& path) {
+  constexpr double kMost = 1e9;
+  if (std::abs(value) > kMost)
+    fail("{}: '{}' holds {}, expected at most {}", path.string(), kArray, value, kMost);
+  return static_cast<float>(value);
 }
 
 }  // namespace
@@ -88,7 +121,7 @@ NyuTruth::NyuTruth(std::filesystem::path path, int view) : path_(std::move(path)
   for (std::size_t frame = 0; frame < labels.frames; ++frame) {
     for (const std::size_t joint : kEvaluatedJoints) {
       for (std::size_t axis = 0; axis < 3; ++axis)
-        uvd_.push_back(static_cast<float>(labels(view_index, frame, joint, axis)));
+        uvd_.push_back(checked_label(labels(view_index, frame, joint, axis), path_));
     }
   }
   frame_count_ = static_cast<std::int64_t>(labels.frames);

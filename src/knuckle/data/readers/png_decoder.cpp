@@ -143,7 +143,8 @@ class PngDecoder {
       const Bytes named = bytes.subspan(4, 4 + std::size_t{length});
       const std::string_view name(reinterpret_cast<const char*>(named.data()), 4);
       const Bytes content = named.subspan(4);
-      if (crc32(named) != big_endian(bytes.subspan(8 + std::size_t{length}))) damaged("a sum does not fit");
+      if (!is_sum(crc32(named), big_endian(bytes.subspan(8 + std::size_t{length}))))
+        damaged("a sum does not fit");
       bytes = bytes.subspan(kFrame + length);
       if ((name == "IHDR") == has_header) damaged("its header is not its first part");
       if (name == "IEND") break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays of numbers and of texts.
+// Arrays of numbers.
 #include <functional>
 #include <numeric>
 #include <string>
@@ -71,33 +71,32 @@ bool Hdf5File::has(std::string_view dataset) const {
 }
 
 std::vector<std::uint64_t> Hdf5File::shape(std::string_view dataset) const {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->dataset(dataset);
-  handle_->checked_count(dataset, id);
-  return handle_->shape(id);
+  const Hdf5Dataset& kept = handle_->kept_dataset(dataset);
+  handle_->checked_count(dataset, kept);
+  return kept.shape;
 }
 
 template <class T>
 Hdf5Array<T> Hdf5File::read(std::string_view dataset) const {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->numeric_dataset(dataset);
+  const Hdf5Dataset& kept = handle_->kept_dataset(dataset);
   Hdf5Array<T> array;
-  array.shape = handle_->shape(id);
-  array.values.resize(handle_->checked_count(dataset, id));
-  if (H5Dread(id, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
-    handle_->fault(dataset, "the array cannot be read; the file is damaged");
-  }
+  array.shape = kept.shape;
+  array.values.resize(handle_->checked_count(dataset, kept));
+  if (array.shape.empty()) handle_->fault(dataset, "expected an array, found a single number");
+  if (!array.values.empty()) read_rows(dataset, 0, array.shape[0], array.values.data());
   return array;
 }
 
 template <class T>
 void Hdf5File::read_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count,
                          T* values) const {
+  const Hdf5Dataset& kept = handle_->kept_dataset(dataset);
+  if (!kept.chunks.empty())
+    return handle_->read_chunked(dataset, kept, first, count, native_type<T>(), sizeof(T), values);
   const Hdf5Lock lock;
-  const Hdf5Id id = handle_->numeric_dataset(dataset);
-  const Hdf5Id selection = handle_->row_selection(dataset, id, first, count);
-  const Hdf5Id memory = handle_->rows_in_memory(id, count);
-  if (H5Dread(id, native_type<T>(), memory, selection, H5P_DEFAULT, values) < 0) {
+  const Hdf5Id selection = handle_->row_selection(dataset, kept.id, first, count);
+  const Hdf5Id memory = handle_->rows_in_memory(kept.id, count);
+  if (H5Dread(kept.id, native_type<T>(), memory, selection, H5P_DEFAULT, values) < 0) {
     handle_->fault(dataset, "rows cannot be read; the file is damaged");
   }
 }
@@ -149,47 +148,13 @@ void Hdf5File::write_rows(std::string_view dataset, std::uint64_t first, std::ui
 void Hdf5File::write_chunk(std::string_view dataset, std::uint64_t row,
                            std::span<const std::uint8_t> stored) {
   const Hdf5Lock lock;
-  const Handle::KeptDataset& kept = handle_->kept_dataset(dataset);
-  std::vector<hsize_t> place(kept.rank, 0);
+  const Hdf5Dataset& kept = handle_->kept_dataset(dataset);
+  std::vector<hsize_t> place(kept.shape.size(), 0);
   if (place.empty()) handle_->fault(dataset, "has no rows");
   place[0] = row;
   constexpr std::uint32_t kAllFiltersApplied = 0;
   if (H5Dwrite_chunk(kept.id, H5P_DEFAULT, kAllFiltersApplied, place.data(), stored.size(), stored.data()) <
       0) {
-    handle_->fault(dataset, "cannot be written; is the disk full?");
-  }
-}
-
-std::vector<std::string> Hdf5File::read_texts(std::string_view dataset) const {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->dataset(dataset);
-  const Hdf5Id file_type(H5Dget_type(id), H5Tclose);
-  if (H5Tget_class(file_type) != H5T_STRING || H5Tis_variable_str(file_type) <= 0) {
-    handle_->fault(dataset, "expected an array of texts");
-  }
-  std::vector<char*> pointers(handle_->checked_count(dataset, id), nullptr);
-  const Hdf5Id type = variable_text_type();
-  if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) {
-    handle_->fault(dataset, "the texts cannot be read; the file is damaged");
-  }
-  std::vector<std::string> texts;
-  for (const char* pointer : pointers) texts.emplace_back(pointer == nullptr ? "" : pointer);
-  const Hdf5Id space(H5Dget_space(id), H5Sclose);
-  H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
-  return texts;
-}
-
-void Hdf5File::write_texts(std::string_view dataset, const std::vector<std::string>& texts) {
-  const Hdf5Lock lock;
-  std::vector<const char*> pointers;
-  for (const std::string& text : texts) pointers.push_back(text.c_str());
-  const Hdf5Id type = variable_text_type();
-  const Hdf5Id space = simple_space({texts.size()});
-  const Hdf5Id properties = creation_properties();
-  const Hdf5Id id(H5Dcreate2(handle_->file, std::string(dataset).c_str(), type, space, H5P_DEFAULT,
-                             properties, H5P_DEFAULT),
-                  H5Dclose);
-  if (!id.valid() || H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) {
     handle_->fault(dataset, "cannot be written; is the disk full?");
   }
 }

@@ -2,6 +2,7 @@
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/storage/hdf5/hdf5_handle.h"
 
 namespace knuckle {
@@ -15,7 +16,7 @@ namespace {
 
 hid_t open_with(const std::filesystem::path& path, unsigned mode) {
   if (!std::filesystem::exists(path)) fail("{}: the file is missing", path.string());
-  if (std::filesystem::is_directory(path)) fail("{}: expected a file, found a folder", path.string());
+  require_regular_file(path);
   if (H5Fis_hdf5(path.c_str()) <= 0) fail("{}: no HDF5 file, or its beginning is damaged", path.string());
   const hid_t file = H5Fopen(path.c_str(), mode, H5P_DEFAULT);
   if (file < 0) fail("{}: the HDF5 file is cut short, damaged, or in use", path.string());

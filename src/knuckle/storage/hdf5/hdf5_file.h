@@ -21,7 +21,9 @@ struct Hdf5Array {
 /// A thin owner of an HDF5 file: named arrays and attributes, with Knuckle's errors. T is one of float,
 /// double, std::int8_t, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t,
 /// std::uint64_t. Reading converts from the file's type. HDF5 itself is not made for threads: all calls of
-/// all files take turns.
+/// all files take turns; chunks are inflated outside of them. Links, external storage, virtual arrays, other
+/// filters than shuffle and deflate, and texts of variable length are refused: they lead out of the file, run
+/// foreign code, or crash the library where the file is damaged.
 class Hdf5File {
  public:
   /// Throws an Error that names the file where it is missing, cut short, or no HDF5.
@@ -63,9 +65,6 @@ class Hdf5File {
   /// Puts a row of an array of one row a chunk into the file as it is stored there: shuffled and deflated
   /// (storage/deflate.h) where the array is. The work of many threads then takes turns only for the writing.
   void write_chunk(std::string_view dataset, std::uint64_t row, std::span<const std::uint8_t> stored);
-
-  std::vector<std::string> read_texts(std::string_view dataset) const;
-  void write_texts(std::string_view dataset, const std::vector<std::string>& texts);
 
   /// Attributes of the root.
   bool has_attribute(std::string_view name) const;

@@ -23,7 +23,6 @@ void write_example(const std::filesystem::path& path) {
   std::vector<float> values(60);
   std::iota(values.begin(), values.end(), 0.5f);
   file.write<float>("values", {5, 4, 3}, values.data(), {1, 4});
-  file.write_texts("names", {"one", "", "drei µ"});
   file.set_attribute("format", "knuckle-example");
   file.set_attribute("version", 1);
   file.set_attribute("numbers", std::vector<double>{1.0, 2.5});
@@ -68,7 +67,6 @@ TEST_F(Hdf5FileTest, RowsWrittenLaterLeaveTheOthersZero) {
 
 TEST_F(Hdf5FileTest, TextsAndAttributesComeBack) {
   const Hdf5File file = Hdf5File::open(path);
-  EXPECT_THAT(file.read_texts("names"), ElementsAre("one", "", "drei µ"));
   EXPECT_EQ(file.text_attribute("format"), "knuckle-example");
   EXPECT_THAT(file.numbers_attribute("numbers"), ElementsAre(1.0, 2.5));
   EXPECT_EQ(file.require_format("knuckle-example", 1), 1);
@@ -87,8 +85,6 @@ TEST_F(Hdf5FileTest, WhatIsMissingOrOfAnotherKindIsNamed) {
   const Hdf5File file = Hdf5File::open(path);
   EXPECT_THAT(error_of([&] { file.read<float>("weights"); }),
               HasSubstr("example.h5: weights: the array is missing"));
-  EXPECT_THAT(error_of([&] { file.read<float>("names"); }), HasSubstr("names: expected an array of numbers"));
-  EXPECT_THAT(error_of([&] { file.read_texts("values"); }), HasSubstr("values: expected an array of texts"));
   EXPECT_THAT(error_of([&] { file.text_attribute("author"); }), HasSubstr("'author' is missing"));
   EXPECT_THAT(error_of([&] { file.text_attribute("version"); }), HasSubstr("'version' is not text"));
   EXPECT_THAT(error_of([&] { file.number_attribute("format"); }), HasSubstr("'format' is not a number"));

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/regular_file.h"
+
+#include <fstream>
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "knuckle/core/limits.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+
+namespace knuckle {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::string fault_of(const std::filesystem::path& path) {
+  EXPECT_EQ(error_of([&] { require_regular_file(path); }), error_of([&] { read_regular_file(path, 10); }));
+  return error_of([&] { require_regular_file(path); });
+}
+
+TEST(RegularFile, IsReadWhole) {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {0, 1, 4095, 4096, 4097, 100000}) {
+    const std::string text(size, 'x');
+    std::ofstream(folder / "a") << text;
+    EXPECT_EQ(read_regular_file(folder / "a", 100000), text);
+  }
+  EXPECT_GT(read_regular_file("/proc/self/status", 1 << 20).size(), 0u) << "its size is said to be 0";
+}
+
+TEST(RegularFile, LargerThanItMayBeIsRefused) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "12345";
+  EXPECT_EQ(read_regular_file(folder / "a", 5), "12345");
+  EXPECT_THAT(error_of([&] { read_regular_file(folder / "a", 4); }), HasSubstr("expected at most 4"));
+}
+
+TEST(RegularFile, WhatIsNoneIsNamedAtOnce) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(fault_of(folder / "fifo"), HasSubstr("fifo: expected a file, found a FIFO"));
+  EXPECT_THAT(fault_of(folder.path()), HasSubstr("expected a file, found a folder"));
+  EXPECT_THAT(fault_of("/dev/zero"), HasSubstr("/dev/zero: expected a file, found a device"));
+  EXPECT_THAT(fault_of(folder / "none"), HasSubstr("none: cannot read: No such file"));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder / "socket").string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  EXPECT_THAT(fault_of(folder / "socket"), HasSubstr("expected a file, found a socket"));
+  ::close(socket);
+}
+
+TEST(TextFile, WithALineTooLongIsRefused) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "one\n"
+                              << std::string(static_cast<std::size_t>(limits::kLineLength) + 1, '1');
+  EXPECT_THAT(error_of([&] { read_lines(folder / "a"); }), HasSubstr("a:2: the line has 1048577 characters"));
+}
+
+}  // namespace
+}  // namespace knuckle
