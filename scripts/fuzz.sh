@@ -22,7 +22,7 @@ for target in "${targets[@]}"; do
   log=build/fuzz/$target.log
   # 1 GB and 10 s are what a damaged file may cost at most.
   if ! "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -rss_limit_mb=2048 -malloc_limit_mb=1024 -timeout=10 \
-      -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/${target}_" \
+      -max_len=65536 -detect_leaks=0 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/${target}_" \
       "build/fuzz/corpus/$target" "fuzz/corpus/$target" >"$log" 2>&1; then
     status=1
     echo "$target: FOUND something, see $log"

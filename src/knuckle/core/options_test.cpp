@@ -189,7 +189,7 @@ TEST(OptionsTest, ALineThatIsTheEndOfAnotherIsKept) {
   table.text_or("other_kind", "");
   table.text_or("kind", "");
   table.text_or("kind", "");
-  EXPECT_EQ(table.resolved_toml(), "other_kind = \"a\"\nkind = \"a\"\n");
+  EXPECT_EQ(table.resolved_toml(), "other_kind = 'a'\nkind = 'a'\n");
 }
 
 TEST(OptionsTest, TablesAndListsTooDeepInOneAnotherAreRefused) {

@@ -5,8 +5,11 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <cwctype>
 
 #include <fmt/ranges.h>
+#include <locale.h>
+#include <wctype.h>
 
 #include "knuckle/core/error.h"
 
@@ -106,11 +109,24 @@ Utf8Character first_character(std::string_view text) {
   return {code, length};
 }
 
+/// Characters that show nothing, change how others are shown, or whose meaning is private: Unicode's
+/// categories Cf, Co and Zs but for the blank.
+bool is_invisible(std::uint32_t code) {
+  constexpr std::array<std::array<std::uint32_t, 2>, 24> kRanges{
+      {{0xA0, 0xA0},       {0xAD, 0xAD},       {0x600, 0x605},     {0x61C, 0x61C},     {0x6DD, 0x6DD},
+       {0x70F, 0x70F},     {0x890, 0x891},     {0x8E2, 0x8E2},     {0x1680, 0x1680},   {0x180E, 0x180E},
+       {0x2000, 0x200F},   {0x2028, 0x202F},   {0x205F, 0x206F},   {0x3000, 0x3000},   {0xE000, 0xF8FF},
+       {0xFEFF, 0xFEFF},   {0xFFF9, 0xFFFB},   {0x110BD, 0x110BD}, {0x110CD, 0x110CD}, {0x13430, 0x1345F},
+       {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE007F}, {0xF0000, 0x10FFFF}}};
+  return std::ranges::any_of(kRanges,
+                             [code](const auto& range) { return code >= range[0] && code <= range[1]; });
+}
+
+/// Whether a terminal would not show a character as it is.
 bool is_control(std::uint32_t code) {
-  const bool is_control_code = code < 0x20 || (code >= 0x7F && code <= 0x9F);
-  const bool turns_writing = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
-  const bool is_separator = code == 0x2028 || code == 0x2029;
-  return is_control_code || turns_writing || is_separator;
+  if (code < 0x7F) return code < 0x20;
+  static const locale_t unicode = ::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
+  return is_invisible(code) || unicode == nullptr || ::iswprint_l(static_cast<wint_t>(code), unicode) == 0;
 }
 
 }  // namespace
