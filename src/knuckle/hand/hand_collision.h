@@ -2,10 +2,31 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "knuckle/core/pose.h"
 
 namespace knuckle {
+
+/// A bone with the flesh around it: all points within `radius` of a segment [mm].
+struct HandCapsule {
+  Point3 from;
+  Point3 to;
+  double radius = 0.0;
+  int digit = 0;  ///< 0 thumb to 4 little, or kPalmCapsule
+  int part = 0;   ///< 0 next to the palm; of the palm: towards which finger, 1 index to 4 little
+  static constexpr int kPalmCapsule = 5;
+};
+
+/// The bones of a hand as capsules, as thick as an adult's in proportion to the palm: three per digit, from
+/// the thumb outwards, and after those of each finger one from the wrist to its MCP.
+std::vector<HandCapsule> hand_capsules(const std::array<Point3, kSupersetSize>& landmarks);
+
+/// How far two capsules are apart; negative: how deep they run into one another [mm].
+double gap_mm(const HandCapsule& a, const HandCapsule& b);
+
+/// The least gap between the bones of two hands [mm].
+double gap_of_hands_mm(const std::vector<HandCapsule>& a, const std::vector<HandCapsule>& b);
 
 /// How deep digits run into one another or into the palm, at the worst place [mm]; 0 where they do not. Bones
 /// are capsules as thick as an adult's in proportion to the palm; what is jointed, and the sides of

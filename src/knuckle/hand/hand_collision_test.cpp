@@ -53,5 +53,32 @@ TEST(HandCollision, DoesNotDependOnTheView) {
   EXPECT_NEAR(worst_penetration_mm(points), before, 1e-9);
 }
 
+TEST(HandCapsules, GapsAreDistancesLessTheFlesh) {
+  const HandCapsule a{{0, 0, 0}, {100, 0, 0}, 10, 1, 0};
+  EXPECT_NEAR(gap_mm(a, {{50, 30, -40}, {50, 30, 40}, 5, 1, 0}), 15.0, 1e-9);
+  EXPECT_NEAR(gap_mm(a, {{103, 4, 0}, {200, 90, 0}, 2, 1, 0}), -7.0, 1e-9);
+}
+
+TEST(HandCapsules, HandsApartHaveTheGapOfTheirNearestBones) {
+  const auto hand = open_hand();
+  const auto capsules = hand_capsules(hand);
+  EXPECT_EQ(capsules.size(), 19u);
+  auto moved = hand;
+  for (Point3& landmark : moved) landmark.z() += 300.0;
+  double least = 1e9;  // by brute force over points of the bones
+  for (const HandCapsule& a : capsules) {
+    for (const HandCapsule& b : hand_capsules(moved)) {
+      for (int i = 0; i <= 20; ++i) {
+        for (int k = 0; k <= 20; ++k) {
+          const Point3 p = a.from + 0.05 * i * (a.to - a.from);
+          const Point3 q = b.from + 0.05 * k * (b.to - b.from);
+          least = std::min(least, (p - q).norm() - a.radius - b.radius);
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(gap_of_hands_mm(capsules, hand_capsules(moved)), least, 0.5);
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -36,6 +36,14 @@ void check_scene(const OptionTable& manifest_table, const Manifest& manifest) {
   if (manifest.scene.is_active() && manifest.camera.camera.model != CameraModel::projective) {
     manifest_table.table("camera").fail_at("model", "is orthographic, but [scene] needs a projective camera");
   }
+  if (manifest.scene.touching_share > 0.0 && manifest.scene.second_share > 0.0 &&
+      manifest.motion.is_smooth()) {
+    manifest_table.table("scene").fail_at("touching_share",
+                                          "is not 0, but the motion is smooth: hands would part");
+  }
+  if (manifest.motion.sequence_frames > 0 && !manifest.motion.is_smooth()) {
+    manifest_table.table("pose").fail_at("sequence_frames", "is not 0, but the motion is not smooth");
+  }
   if (manifest.scene.empty_share > 0.0 && manifest.motion.is_smooth()) {
     manifest_table.table("scene").fail_at("empty_share",
                                           "is not 0, but the motion is smooth: each frame has a hand");

@@ -97,6 +97,11 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[scene]\nthings = ['teapot']", "teapot"},
       {"[scene]\nmost_things = 3\nthings = ['mug']\nwithout_things = ['mug']", "most_things is 3"},
       {"[scene]\nbefore_share = 0.5\nleast_visible = 1.0", "least_visible is 1"},
+      {"[scene]\nheld_share = 0.5\ngrasps = ['teeth']", "teeth"},
+      {"[scene]\ngrasps = ['pinch']", "held_share is 0"},
+      {"[scene]\nsecond_share = 0.5\ncrossed_share = 0.7\ntouching_share = 0.7", "crossed_share"},
+      {"[pose]\nmotion = 'smooth'\n[scene]\nsecond_share = 0.5", "touching_share"},
+      {"[pose]\nsequence_frames = 10", "m.toml:2: pose.sequence_frames"},
       {"[scene]\nempty_share = 0.6\ncut_share = 0.5", "cut_share"},
       {"[pose]\nmotion = 'smooth'\n[scene]\nempty_share = 0.5", "m.toml:4: scene.empty_share"},
       {"[camera]\nmodel = 'orthographic'\n[scene]\ntable_share = 0.5", "m.toml:2: camera.model"},
@@ -137,8 +142,9 @@ constexpr const char* kTestManifests[] = {"manifests/test_creative.toml", "manif
                                           "manifests/test_kinect_v2.toml"};
 
 TEST(ShippedManifests, AreRead) {
-  for (const char* name : {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml",
-                           "manifests/train_scenes.toml", "manifests/validate_scenes.toml"}) {
+  for (const char* name :
+       {"manifests/demo.toml", "manifests/train_small.toml", "manifests/train.toml",
+        "manifests/train_scenes.toml", "manifests/validate_scenes.toml", "manifests/test_scenes.toml"}) {
     EXPECT_NO_THROW(load_manifest(resource_path(name))) << name;
   }
 }

@@ -3,8 +3,10 @@
 
 #include <set>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/hand/hand_collision.h"
 #include "knuckle/hand/testing_body.h"
 #include "knuckle/synth/synthetic_source.h"
 
@@ -115,6 +117,83 @@ TEST(Scenes, LittleOfTheHandIsHiddenByThings) {
     EXPECT_GE(hand.visible_share, 0.3) << "only the arm itself may hide more";
   }
   EXPECT_GT(hidden, 5);
+}
+
+TEST(Scenes, ASecondHandIsOfTheOtherSideAndApart) {
+  Manifest manifest = scene_manifest();
+  manifest.frames = 40;
+  manifest.scene = {.second_share = 1.0, .crossed_share = 0.3, .touching_share = 0.4};
+  int seconds = 0;
+  int touching = 0;
+  for (const Frame& frame : frames_of(manifest, 0)) {
+    if (frame.hands.size() < 2) continue;
+    ++seconds;
+    EXPECT_NE(frame.hands[0].side, frame.hands[1].side);
+    EXPECT_EQ(frame.side, frame.hands[0].side);
+    std::array<std::array<Point3, kSupersetSize>, 2> landmarks;
+    const Projection projection(frame.camera);
+    for (int h = 0; h < 2; ++h) {
+      for (int k = 0; k < kSupersetSize; ++k)
+        landmarks[h][k] = projection.to_camera(frame.hands[h].pose.joints[k]);
+    }
+    const double gap = gap_of_hands_mm(hand_capsules(landmarks[0]), hand_capsules(landmarks[1]));
+    EXPECT_GT(gap, -2.5);
+    touching += gap < 3.0 ? 1 : 0;
+    const auto second =
+        std::ranges::count(frame.labels.pixels(), static_cast<std::uint8_t>(PixelLabel::other_hand));
+    EXPECT_EQ(second > 0, frame.hands[1].visible_share > 0.0);
+  }
+  EXPECT_GT(seconds, 12) << "of 40; some lie outside the picture or hide the first";
+  EXPECT_GT(touching, 2);
+}
+
+TEST(Scenes, TheSecondHandIsDrawnWhereItsLandmarksAre) {
+  Manifest manifest = scene_manifest();
+  manifest.frames = 40;
+  manifest.scene = {.second_share = 1.0, .crossed_share = 0.0, .touching_share = 0.0};
+  int checked = 0;
+  int beside = 0;
+  for (const Frame& frame : frames_of(manifest, 0)) {
+    if (frame.hands.size() < 2) continue;
+    const HandTruth& hand = frame.hands[1];
+    for (int k = 0; k < kSupersetSize; ++k) {
+      if (hand.occluders[k] != Occluder::none) continue;
+      const auto column = static_cast<int>(std::floor(hand.pose.joints[k].u + 0.5));
+      const auto row = static_cast<int>(std::floor(hand.pose.joints[k].v + 0.5));
+      if (frame.labels(column, row) != static_cast<std::uint8_t>(PixelLabel::other_hand)) continue;
+      ++checked;
+      const double below = hand.pose.joints[k].depth_mm - frame.depth_mm(column, row);
+      beside += below > -3.0 && below < 60.0 ? 0 : 1;  // a coarse pixel may show what is beside a thin finger
+    }
+  }
+  EXPECT_GT(checked, 60);
+  EXPECT_LT(2 * beside, checked) << "landmarks lie below the skin";
+}
+
+TEST(Scenes, ThingsStandStillInASequence) {
+  Manifest manifest = scene_manifest();
+  manifest.frames = 24;
+  manifest.motion.motion = "smooth";
+  manifest.motion.sequence_frames = 12;
+  manifest.placement.above_share = 3;
+  manifest.scene = {.room_share = 1, .table_share = 1, .most_things = 4};
+  const std::vector<Frame> frames = frames_of(manifest, 0);
+  EXPECT_EQ(frames[11].sequence, 0);
+  EXPECT_EQ(frames[12].sequence, 1);
+  const auto is_object = [](const Frame& frame, std::size_t i) {
+    return frame.labels.data()[i] == static_cast<std::uint8_t>(PixelLabel::object);
+  };
+  for (int sequence = 0; sequence < 2; ++sequence) {
+    const Frame& first = frames[12 * sequence];
+    for (int i = 1; i < 12; ++i) {
+      const Frame& frame = frames[12 * sequence + i];
+      for (std::size_t p = 0; p < frame.labels.size(); ++p) {
+        if (!is_object(first, p) || !is_object(frame, p)) continue;
+        EXPECT_EQ(first.depth_mm.data()[p], frame.depth_mm.data()[p]);
+      }
+    }
+  }
+  EXPECT_NE(frames[0].depth_mm, frames[12].depth_mm);
 }
 
 TEST(Scenes, WithoutASceneNothingIsLabelled) {

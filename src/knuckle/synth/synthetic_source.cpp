@@ -12,6 +12,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/hand/body_file.h"
+#include "knuckle/hand/body_skeleton.h"
 #include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/people/people.h"
 #include "knuckle/synth/pose/motion.h"
@@ -35,8 +36,13 @@ constexpr std::uint64_t kScenes = 6;
 /// A person is made when first seen (some milliseconds) and kept (some 100 kB).
 class People {
  public:
-  People(std::shared_ptr<const Body> body, const PeopleOptions& options, std::uint64_t seed)
+  People(std::shared_ptr<const Body> body, const Manifest& manifest, std::uint64_t seed)
+      : People(std::move(body), manifest.body, manifest.scene.held_share > 0.0, seed) {}
+
+  People(std::shared_ptr<const Body> body, const PeopleOptions& options, bool needs_skeletons,
+         std::uint64_t seed)
       : body_(std::move(body)),
+        needs_skeletons_(needs_skeletons),
         seed_(seed),
         bone_spread_(options.bone_spread),
         places_(static_cast<std::size_t>(options.people)) {}
@@ -50,6 +56,7 @@ class People {
       place.rig.emplace(place.person);
       place.culling.emplace(place.person);
       place.along_mm = way_along_arm(place.person);
+      if (needs_skeletons_) place.skeleton = skeleton_of(place.person, "");
     });
     return *place.rig;
   }
@@ -57,7 +64,7 @@ class People {
   /// Of a person whose rig was asked for.
   const ViewCulling& culling(std::size_t number) const { return *places_[number].culling; }
   ScenePerson scene_person(std::size_t number) const {
-    return {&rig(number), &culling(number), &places_[number].along_mm};
+    return {&rig(number), &culling(number), &places_[number].along_mm, &places_[number].skeleton};
   }
 
  private:
@@ -67,6 +74,7 @@ class People {
     std::optional<BodyRig> rig;
     std::optional<ViewCulling> culling;
     std::vector<float> along_mm;
+    HandSkeleton skeleton;  ///< only where hands hold things
   };
 
   /// A body that has no MakeHuman shapes has one shape.
@@ -86,6 +94,7 @@ class People {
   }
 
   std::shared_ptr<const Body> body_;
+  bool needs_skeletons_;
   std::uint64_t seed_;
   double bone_spread_;
   mutable std::vector<Place> places_;
@@ -105,7 +114,7 @@ class SyntheticSource final : public FrameSource {
         postures_{manifest.pose, manifest.placement, manifest.motion},
         skinning_(manifest.body.skinning == "linear" ? Skinning::linear : Skinning::dual_quaternion),
         body_(body),
-        people_(std::move(body), manifest.body, derived_seed(manifest.seed, kPeople)) {
+        people_(std::move(body), manifest, derived_seed(manifest.seed, kPeople)) {
     if (manifest.scene.is_active()) scenes_.emplace(manifest, *body_);
   }
 
@@ -126,12 +135,8 @@ class SyntheticSource final : public FrameSource {
     // A left hand is a right one in a mirror: it is rendered through the camera's mirror image.
     const Camera camera = is_left ? mirrored(frame.camera) : frame.camera;
     const std::size_t person = person_of_frame(index);
-    const BodyRig& rig = people_.rig(person);
-    const PlacedPosture placed =
-        posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index);
-    ExactFrame exact =
-        scenes_ ? scenes_->render_frame(people_.scene_person(person), placed, camera, scene_seed(index))
-                : person_alone(person, placed, camera);
+    ExactFrame exact = scenes_ ? scene(person, camera, index)
+                               : person_alone(person, posture(people_.rig(person), camera, index), camera);
     if (is_left) exact = mirrored(exact);
     if (scenes_ && exact.hands.empty()) frame.side.reset();
     frame.mask = std::move(exact.mask);
@@ -143,6 +148,33 @@ class SyntheticSource final : public FrameSource {
   }
 
  private:
+  PlacedPosture posture(const BodyRig& rig, const Camera& camera, std::int64_t index,
+                        const HandAngles* held_hand = nullptr) const {
+    return posture_of_frame(rig, camera, postures_, derived_seed(manifest_.seed, kPostures), index,
+                            held_hand);
+  }
+
+  /// A person among things. What stands still in a sequence is placed with its first frame, clear of the hand
+  /// in every sixth.
+  ExactFrame scene(std::size_t number, const Camera& camera, std::int64_t index) const {
+    constexpr std::int64_t kStep = 6;
+    const ScenePerson person = people_.scene_person(number);
+    const std::uint64_t seed = scene_seed(index);
+    const std::optional<Grasp> grasp = scenes_->grasp_of_scene(person, seed);
+    const HandAngles* held_hand = grasp ? &grasp->hand : nullptr;
+    ScenePostures postures{posture(*person.rig, camera, index, held_hand), {}};
+    if (manifest_.motion.is_smooth()) {
+      const std::int64_t length =
+          manifest_.motion.sequence_frames > 0 ? manifest_.motion.sequence_frames : manifest_.frames;
+      const std::int64_t first = index - index % length;
+      const std::int64_t end = std::min(first + std::min<std::int64_t>(length, kMostMoments * kStep), size());
+      for (std::int64_t i = first; i < end; i += kStep)
+        postures.sequence.push_back(posture(*person.rig, camera, i, held_hand));
+    }
+    return scenes_->render_frame(person, postures, grasp ? &*grasp : nullptr, camera, seed);
+  }
+  static constexpr std::int64_t kMostMoments = 40;
+
   /// One person before nothing.
   ExactFrame person_alone(std::size_t person, const PlacedPosture& placed, const Camera& camera) const {
     const BodyRig& rig = people_.rig(person);
@@ -175,9 +207,9 @@ class SyntheticSource final : public FrameSource {
     frame.infrared = std::move(images.infrared);
   }
 
-  /// Smooth motion is one sequence of one person's hand; without motion every frame is a scene of its own.
+  /// A sequence of a smooth motion shows one person's hand; without motion every frame is a scene of its own.
   std::uint64_t scene_of_frame(std::int64_t index) const {
-    return manifest_.motion.is_smooth() ? 0 : static_cast<std::uint64_t>(index);
+    return static_cast<std::uint64_t>(place_in_motion(manifest_.motion, index).sequence);
   }
 
   std::size_t person_of_frame(std::int64_t index) const {

@@ -42,9 +42,10 @@ ArmAngles interpolated_arm(const ArmAngles& a, const ArmAngles& b, double t) {
 
 /// Number `index` of the postures that a smooth motion goes through.
 Posture pose_of_motion(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
-                       const PlacedPosture& first, std::uint64_t seed, std::int64_t index) {
+                       const PlacedPosture& first, std::uint64_t seed, std::int64_t index,
+                       const HandAngles* held_hand) {
   Random random(derived_seed(seed, kPoses), static_cast<std::uint64_t>(index));
-  const HandAngles hand = sampled_free_hand(rig, options.hand, random);
+  const HandAngles hand = held_hand ? *held_hand : sampled_free_hand(rig, options.hand, random);
   for (int attempt = 0; attempt < kArmAttempts; ++attempt) {
     const Posture posture{hand, swayed_arm(first.posture.arm, options.motion.sway_deg, random)};
     const BodyPose pose = rig.pose(posture, first.camera_from_body);
@@ -106,16 +107,18 @@ double minimum_jerk(double t) {
 }
 
 PlacedPosture smooth_posture(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
-                             std::uint64_t seed, std::int64_t index) {
+                             std::uint64_t seed, std::int64_t index, const HandAngles* held_hand) {
   Random random(derived_seed(seed, kFirstScene));
   PlacementOptions placement = options.placement;
   placement.border_share = 0.0;
-  const PlacedPosture first = sampled_placement(rig, HandAngles{}, camera, placement, random);
+  const PlacedPosture first =
+      sampled_placement(rig, held_hand ? *held_hand : HandAngles{}, camera, placement, random);
   const std::int64_t key = index / options.motion.frames_a_pose;
   const double t =
       minimum_jerk(static_cast<double>(index % options.motion.frames_a_pose) / options.motion.frames_a_pose);
-  const Posture from = pose_of_motion(rig, camera, options, first, seed, key);
-  const Posture to = pose_of_motion(rig, camera, options, first, seed, key + 1);
+  const Posture from = pose_of_motion(rig, camera, options, first, seed, key, held_hand);
+  const Posture to = pose_of_motion(rig, camera, options, first, seed, key + 1, held_hand);
+  if (held_hand) return {{*held_hand, interpolated_arm(from.arm, to.arm, t)}, first.camera_from_body};
   const Detour detour = detour_of_path(rig, options.hand, from.hand, to.hand);
   return {{on_path(from.hand, to.hand, detour, t), interpolated_arm(from.arm, to.arm, t)},
           first.camera_from_body};
@@ -137,11 +140,23 @@ HandAngles sampled_free_hand(const BodyRig& rig, const HandPoseOptions& options,
   return best;
 }
 
+MotionPlace place_in_motion(const MotionOptions& options, std::int64_t index) {
+  if (!options.is_smooth()) return {index, 0};
+  if (options.sequence_frames == 0) return {0, index};
+  return {index / options.sequence_frames, index % options.sequence_frames};
+}
+
 PlacedPosture posture_of_frame(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
-                               std::uint64_t seed, std::int64_t index) {
-  if (options.motion.is_smooth()) return smooth_posture(rig, camera, options, seed, index);
+                               std::uint64_t seed, std::int64_t index, const HandAngles* held_hand) {
+  if (options.motion.is_smooth()) {
+    const MotionPlace place = place_in_motion(options.motion, index);
+    const bool is_one = options.motion.sequence_frames == 0;
+    return smooth_posture(rig, camera, options,
+                          is_one ? seed : derived_seed(seed, static_cast<std::uint64_t>(place.sequence)),
+                          place.frame, held_hand);
+  }
   Random random(seed, static_cast<std::uint64_t>(index));
-  const HandAngles hand = sampled_free_hand(rig, options.hand, random);
+  const HandAngles hand = held_hand ? *held_hand : sampled_free_hand(rig, options.hand, random);
   return sampled_placement(rig, hand, camera, options.placement, random);
 }
 

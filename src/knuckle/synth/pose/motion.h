@@ -20,10 +20,18 @@ struct PostureOptions {
 /// of up to 40, else the best.
 HandAngles sampled_free_hand(const BodyRig& rig, const HandPoseOptions& options, Random& random);
 
+/// Frames of a smooth motion that belong together: which sequence, and where in it. Without motion each frame
+/// is a sequence of its own.
+struct MotionPlace {
+  std::int64_t sequence = 0;
+  std::int64_t frame = 0;
+};
+MotionPlace place_in_motion(const MotionOptions& options, std::int64_t index);
+
 /// The posture of one frame: a function of its arguments alone. Without motion each index is a scene of its
 /// own. Smooth: the person stands where `seed` says, and hand and arm go from one random posture to the next,
-/// at rest at each.
+/// at rest at each. `held_hand`: what holds a thing keeps this shape.
 PlacedPosture posture_of_frame(const BodyRig& rig, const Camera& camera, const PostureOptions& options,
-                               std::uint64_t seed, std::int64_t index);
+                               std::uint64_t seed, std::int64_t index, const HandAngles* held_hand = nullptr);
 
 }  // namespace knuckle

@@ -170,6 +170,21 @@ PlacementOptions options_of_view(View view, PlacementOptions options) {
   return options;
 }
 
+/// How deep the hand is in the chest, neck or head [mm]. Seen from elsewhere they have to lie behind it
+/// anyway.
+double depth_in_trunk(const BodyRig& rig, const BodyPose& pose) {
+  constexpr double kHandMm = 40.0;
+  constexpr double kTrunkMm = 100.0;  // balls of at least this radius are trunk or head
+  double deepest = 0.0;
+  const std::array<Point3, kSupersetSize> landmarks = rig.landmarks(pose);
+  for (const Ball& ball : balls_of(rig, pose)) {
+    if (ball.radius < kTrunkMm) continue;
+    for (const Point3& landmark : landmarks)
+      deepest = std::max(deepest, ball.radius + kHandMm - (landmark - ball.centre).norm());
+  }
+  return deepest;
+}
+
 /// A point for the palm: normal around the image's centre, depth uniform.
 Point3 sampled_palm(const Camera& camera, const PlacementOptions& options, Random& random) {
   const double u = 0.5 * (camera.width - 1) + options.off_centre * camera.width * random.normal();
@@ -224,11 +239,16 @@ PlacedPosture sampled_placement(const BodyRig& rig, const HandAngles& hand, cons
                                 const PlacementOptions& options, Random& random) {
   const double allowed_outside = random.uniform() < options.border_share ? kCutShare : 0.0;
   const bool is_presented = random.uniform() < options.presented_share;
+  // Drawn once where some views seldom succeed, so that they come as often as asked for; else with each
+  // attempt, as manifests were rendered that know three views.
+  std::optional<View> settled_view;
+  if (options.above_share + options.around_share + options.eyes_share > 0.0)
+    settled_view = sampled_view_kind(options, random);
   PlacedPosture best;
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kAttempts && least > 0.0; ++attempt) {
     PlacedPosture placed{{hand, sampled_arm(options, random)}, Eigen::Isometry3f::Identity()};
-    const View view = sampled_view_kind(options, random);
+    const View view = settled_view ? *settled_view : sampled_view_kind(options, random);
     const Eigen::Matrix3d turn = sampled_view(view, options, random);
     if (view != View::eyes) placed.camera_from_body.linear() = turn.cast<float>();
     BodyPose pose = rig.pose(placed.posture, placed.camera_from_body);
@@ -243,6 +263,7 @@ PlacedPosture sampled_placement(const BodyRig& rig, const HandAngles& hand, cons
     double wrong =
         is_presented && view != View::eyes ? presentation_violation(rig.landmarks(pose), options) : 0.0;
     if (wrong < least) wrong += violation(rig, pose, camera, options_of_view(view, options), allowed_outside);
+    if (wrong < least && view == View::eyes) wrong += depth_in_trunk(rig, pose);
     if (wrong < least) {
       least = wrong;
       best = placed;

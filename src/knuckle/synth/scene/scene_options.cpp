@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "knuckle/synth/scene/grasp.h"
 #include "knuckle/synth/scene/things.h"
 
 namespace knuckle {
@@ -16,6 +17,11 @@ void SceneOptions::visit(OptionVisitor& visitor) {
   visitor.real("cloth_share", cloth_share, closed(0, 1));
   visitor.real("before_share", before_share, closed(0, 1));
   visitor.real("least_visible", least_visible, closed(0, 1));
+  visitor.real("second_share", second_share, closed(0, 1));
+  visitor.real("crossed_share", crossed_share, closed(0, 1));
+  visitor.real("touching_share", touching_share, closed(0, 1));
+  visitor.real("held_share", held_share, closed(0, 1));
+  visitor.texts("grasps", grasps, grasp_names());
   visitor.real("sleeve_share", sleeve_share, closed(0, 1));
   visitor.real("band_share", band_share, closed(0, 1));
   visitor.real("cut_share", cut_share, closed(0, 1));
@@ -25,7 +31,8 @@ void SceneOptions::visit(OptionVisitor& visitor) {
 
 bool SceneOptions::is_active() const {
   return empty_share > 0.0 || room_share > 0.0 || table_share > 0.0 || most_things > 0 ||
-         before_share > 0.0 || sleeve_share > 0.0 || band_share > 0.0 || cut_share > 0.0;
+         before_share > 0.0 || second_share > 0.0 || held_share > 0.0 || sleeve_share > 0.0 ||
+         band_share > 0.0 || cut_share > 0.0;
 }
 
 std::vector<std::string_view> allowed_things(const SceneOptions& options) {
@@ -49,6 +56,13 @@ void check(const SceneOptions& options, std::string_view what) {
   if (options.before_share > 0.0 && options.least_visible >= 1.0) {
     fail("{}: before_share is {}, but least_visible is 1: nothing may be before the hand", what,
          options.before_share);
+  }
+  if (options.crossed_share + options.touching_share > 1.0) {
+    fail("{}: crossed_share and touching_share are {} and {}: together they are more than all second hands",
+         what, options.crossed_share, options.touching_share);
+  }
+  if (options.held_share == 0.0 && !options.grasps.empty()) {
+    fail("{}: grasps are named, but held_share is 0: nothing is held", what);
   }
   if (options.empty_share + options.cut_share > 1.0) {
     fail("{}: empty_share and cut_share are {} and {}: together they are more than all frames", what,

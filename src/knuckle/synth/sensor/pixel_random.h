@@ -8,7 +8,7 @@
 namespace knuckle {
 
 /// What a pixel's random numbers are for: each use has numbers of its own.
-enum class PixelUse : std::uint32_t { range_noise, grain, flying, lateral, hole, infrared };
+enum class PixelUse : std::uint32_t { range_noise, grain, flying, lateral, hole, infrared, matching };
 
 /// Pixels that share one block of random words.
 inline constexpr std::size_t kPixelsPerBlock = 8;

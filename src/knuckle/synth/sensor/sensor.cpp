@@ -51,6 +51,7 @@ void SensorOptions::visit(OptionVisitor& visitor) {
   visitor.real("background_mm", background_mm, closed(0, 10000));
   visitor.real("jump_mm", jump_mm, closed(1, 10000));
   structured_light.visit(visitor);
+  matching.visit(visitor);
   lateral.visit(visitor);
   flying.visit(visitor);
   infrared.visit(visitor);
@@ -94,6 +95,7 @@ SensorImages measured(SeenSurfaces surfaces, const Camera& camera, const SensorO
   if (options.background_mm > 0.0) add_wall(surfaces, camera, static_cast<float>(options.background_mm));
   surfaces.depth_mm =
       without_shadows(std::move(surfaces.depth_mm), camera, options.structured_light, options.jump_mm);
+  surfaces.depth_mm = matched_in_windows(surfaces.depth_mm, options.matching, options.jump_mm, seed);
   blur_edges(surfaces, options, seed);
   SensorImages images;
   if (options.infrared.infrared > 0.0) {

@@ -15,6 +15,7 @@
 #include "knuckle/synth/sensor/lateral_noise.h"
 #include "knuckle/synth/sensor/range_noise.h"
 #include "knuckle/synth/sensor/structured_light.h"
+#include "knuckle/synth/sensor/window_matching.h"
 
 namespace knuckle {
 
@@ -25,6 +26,7 @@ struct SensorOptions {
   double background_mm = 0.0;  ///< a wall behind all; 0 = none, as in the paper, [0, 10000] [mm]
   double jump_mm = 20.0;       ///< neighbours farther apart in depth are two surfaces, [1, 10000] [mm]
   StructuredLightOptions structured_light;
+  WindowMatchingOptions matching;
   LateralNoiseOptions lateral;
   FlyingPixelOptions flying;
   InfraredOptions infrared;

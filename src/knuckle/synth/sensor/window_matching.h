@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "knuckle/core/image.h"
+#include "knuckle/core/options.h"
+
+namespace knuckle {
+
+/// Stereo cameras compare windows, not pixels (Kanade and Okutomi, "A stereo matching algorithm with an
+/// adaptive window: theory and experiment", 1994): surfaces become smooth, what is nearer grows at its
+/// outline, narrow gaps between fingers close, and thin things vanish.
+struct WindowMatchingOptions {
+  int window_px = 0;          ///< the window reaches so far on each side, [0, 16] [px]; 0: off
+  double window_share = 1.0;  ///< part of the frames that are seen so, [0, 1]
+  double nearer_share = 0.4;  ///< the nearer surface wins where it fills more than this part, [0, 1]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// `depth_mm` as windows see it. Disparities, which are proportional to 1 / z, are averaged over the measured
+/// pixels of the window that belong to the winning surface; surfaces are more than `jump_mm` apart. Where the
+/// nearer one fills nearly the share at which it wins (within 0.06), every other pixel finds no match. What
+/// is not measured stays so, where the window holds less than half of measured pixels.
+Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchingOptions& options,
+                                double jump_mm, std::uint64_t seed);
+
+}  // namespace knuckle

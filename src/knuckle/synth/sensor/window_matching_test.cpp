@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/synth/sensor/window_matching.h"
+
+#include <cmath>
+
+#include "knuckle/core/testing.h"
+
+namespace knuckle {
+namespace {
+
+Image<float> wall(float depth_mm) {
+  return Image<float>(40, 30, depth_mm);
+}
+
+TEST(WindowMatching, OffItChangesNothing) {
+  EXPECT_EQ(matched_in_windows(wall(500), {}, 20, 1), wall(500));
+  EXPECT_EQ(matched_in_windows(wall(500), {.window_px = 3, .window_share = 0}, 20, 1), wall(500));
+}
+
+TEST(WindowMatching, APlaneIsItselfAndRoughnessIsAveraged) {
+  const Image<float> plane = matched_in_windows(wall(500), {.window_px = 3}, 20, 1);
+  for (const float depth : plane.pixels()) EXPECT_NEAR(depth, 500.0f, 1e-3f);
+  Image<float> rough = wall(500);
+  for (int i = 0; i < 40 * 30; ++i) rough.data()[i] += i % 2 == 0 ? 5.0f : -5.0f;
+  const Image<float> smooth = matched_in_windows(rough, {.window_px = 3}, 20, 1);
+  for (int row = 4; row < 26; ++row) {
+    for (int column = 4; column < 36; ++column) EXPECT_NEAR(smooth(column, row), 500.0f, 0.3f);
+  }
+}
+
+TEST(WindowMatching, TheNearerGrowsAndGapsClose) {
+  Image<float> image = wall(800);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 20; ++column) image(column, row) = 500;
+  }
+  const Image<float> edge = matched_in_windows(image, {.window_px = 4, .nearer_share = 0.2}, 20, 1);
+  int grown = 0;
+  for (int column = 20; column < 28; ++column)
+    grown += edge(column, 15) > 0 && edge(column, 15) < 600 ? 1 : 0;
+  EXPECT_GE(grown, 1);
+  EXPECT_LE(grown, 4);
+  Image<float> fingers = wall(500);
+  for (int row = 0; row < 30; ++row) fingers(20, row) = 800;  // a gap of one pixel
+  const Image<float> merged = matched_in_windows(fingers, {.window_px = 3}, 20, 1);
+  for (int row = 0; row < 30; ++row) EXPECT_NEAR(merged(20, row), 500.0f, 1e-2f);
+}
+
+TEST(WindowMatching, ThinThingsVanish) {
+  Image<float> image = wall(800);
+  for (int row = 0; row < 30; ++row) image(20, row) = 500;
+  const Image<float> seen = matched_in_windows(image, {.window_px = 3}, 20, 1);
+  for (int row = 5; row < 25; ++row) EXPECT_NEAR(seen(20, row), 800.0f, 1e-2f);
+}
+
+TEST(WindowMatching, AllPixelsAreDepthsOfTheirSurfacesOrNothing) {
+  Image<float> image = wall(700);
+  for (int row = 8; row < 22; ++row) {
+    for (int column = 10; column < 25; ++column) image(column, row) = 400;
+  }
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 40; ++column) image(column, row) = 0;
+  }
+  int lost = 0;
+  const Image<float> seen = matched_in_windows(image, {.window_px = 3}, 20, 1);
+  for (const float depth : seen.pixels()) {
+    lost += depth == 0.0f ? 1 : 0;
+    EXPECT_TRUE(depth == 0.0f || std::abs(depth - 400) < 0.1 || std::abs(depth - 700) < 0.1) << depth;
+  }
+  EXPECT_GT(lost, 3 * 40);
+}
+
+}  // namespace
+}  // namespace knuckle
