@@ -12,6 +12,7 @@ constexpr double kNearestCutMm = 700.0;
 constexpr double kFarthestCutMm = 2500.0;
 constexpr int kLeastSeenCells = 6;       // of a hand
 constexpr double kLeastSeenShare = 0.1;  // of the disc of its extent
+constexpr double kSeenDepth = 1.5;       // how far before or behind its centre a hand is [extents]
 constexpr double kMillimetresPerMetre = 1000.0;
 
 struct Middle {
@@ -148,7 +149,7 @@ void excuse_unseen_hands(const DetectorOptions& options, std::span<const float> 
       for (int column = 0; column < options.width; ++column) {
         if (std::hypot(column - hand[kHandU], row - hand[kHandV]) > radius) continue;
         const double inverse = input[static_cast<std::size_t>(row) * options.width + column];
-        seen += inverse > 0.0 && std::abs(1.0 / inverse - depth_m) < extent_m ? 1 : 0;
+        seen += inverse > 0.0 && std::abs(1.0 / inverse - depth_m) < kSeenDepth * extent_m ? 1 : 0;
       }
     }
     const double least =

@@ -13,6 +13,7 @@
 #include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/detector/hand_detector.h"
 #include "knuckle/segment/testing.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/training/detector_network.h"
 #include "knuckle/training/detector_training_task.h"
 #include "knuckle/training/loss_gradient_testing.h"
