@@ -141,6 +141,38 @@ TEST_F(NetworkTest, AWrongConfigurationEndsItInOneLine) {
   EXPECT_THAT(entries_of(folder_.path()), Not(Contains("net.pt")));
 }
 
+TEST_F(NetworkTest, ADetectorIsTrainedAndFindsHands) {
+  const std::string detector =
+      "[network]\narchitecture = 'detector'\nwidth = 64\nheight = 48\nfocal_cells = 43\nstem_channels = 4\n"
+      "quarter_channels = 8\neighth_channels = 8\nsixteenth_channels = 8\nhead_channels = 8\n";
+  ASSERT_THAT(train(sources() + detector + kTraining), Succeeded());
+  EXPECT_THAT(entries_of(folder_.path()),
+              AllOf(Contains("net.pt"), Contains("net.pt.checkpoint"), Contains("net.pt.metrics.csv"),
+                    Contains("net.pt.options.toml"), Contains("net_curves.svg")));
+  const std::vector<std::string> lines = read_lines(path("net.pt.metrics.csv"));
+  ASSERT_THAT(lines, SizeIs(4));
+  EXPECT_THAT(lines[0], HasSubstr("validation_recall_40mm,validation_false_positives_per_frame"));
+  const std::string model = read_text_file(path("net.pt"));
+  EXPECT_THAT(train(sources() + detector + kTraining, {"--resume"}), Succeeded());
+  EXPECT_TRUE(read_text_file(path("net.pt")) == model);
+  EXPECT_THAT(train(sources() + detector + kTraining, {"--cache", path("cache")}), FailedWith("--cache"));
+  EXPECT_THAT(train(sources() + detector + "kernel = 3\n"), FailedWith("network.kernel"));
+  EXPECT_THAT(train(sources() + "[samples]\nmemory_gb = 0.00001\n" + detector), FailedWith("memory_gb"));
+
+  const auto segmentation = [&](const std::string& file) {
+    return "[segmentation]\nmethod = 'detector'\nmodel = '" + file +
+           "'\nmin_score = 0.0\n[estimator]\nmethod = 'dense'\nmodel = '" +
+           std::filesystem::absolute("models/dense.pt").string() + "'\n";
+  };
+  EXPECT_THAT(estimate(segmentation("net.pt")), Succeeded());
+  EXPECT_THAT(estimate(segmentation(std::filesystem::absolute("models/dense.pt").string())),
+              FailedWith("expected a knuckle-detector file, found a knuckle-network file"));
+  EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\n"),
+              FailedWith("expected a knuckle-network file, found a knuckle-detector file"));
+  write_text_file(path("net.pt"), model.substr(0, model.size() / 2));
+  EXPECT_THAT(estimate(segmentation("net.pt")), FailedWith("net.pt"));
+}
+
 TEST_F(NetworkTest, ASourceWithoutTruthADeviceThatIsNotThereAndAnOutputThatCannotBeWritten) {
   make_folder(path("set/depth"));
   write_text_file(

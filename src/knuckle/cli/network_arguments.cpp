@@ -8,9 +8,9 @@
 namespace knuckle::cli {
 
 void add_train_network(CLI::App& train, const std::function<void(const NetworkArguments&)>& run) {
-  CLI::App& network =
-      add_verb(train, "network", "Train a convolutional network that infers poses from patches",
-               "knuckle train network --config pipelines/train_dense.toml --out dense.pt");
+  CLI::App& network = add_verb(
+      train, "network", "Train a convolutional network: one that infers poses, or the detector of hands",
+      "knuckle train network --config pipelines/train_dense.toml --out dense.pt");
   auto arguments = std::make_shared<NetworkArguments>();
   network.add_option("--config", arguments->config, "Sources, network, augmentation and training options")
       ->required();

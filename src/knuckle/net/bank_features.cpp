@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/net/bank_features.h"
 
-#include "knuckle/net/map_operations.h"
+#include "knuckle/net/layers/map_operations.h"
 
 namespace knuckle {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "knuckle/core/image.h"
-#include "knuckle/net/convolution.h"
+#include "knuckle/net/layers/convolution.h"
+#include "knuckle/net/layers/workspace_pool.h"
 #include "knuckle/net/network_weights.h"
 #include "knuckle/net/paper_architecture.h"
-#include "knuckle/net/workspace_pool.h"
 
 namespace knuckle {
 

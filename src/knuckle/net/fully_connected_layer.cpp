@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "knuckle/net/float_lanes.h"
+#include "knuckle/net/layers/float_lanes.h"
 
 namespace knuckle {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "knuckle/net/batch_norm.h"
-#include "knuckle/net/convolution.h"
-#include "knuckle/net/half.h"
+#include "knuckle/net/layers/batch_norm.h"
+#include "knuckle/net/layers/convolution.h"
+#include "knuckle/net/layers/half.h"
 
 namespace knuckle {
 

@@ -17,10 +17,10 @@ struct Cell {
 };
 
 float nearest_depth(const Image<float>& patch, int row, int column) {
-  float nearest = patch(column * kDenseStride, row * kDenseStride);
-  for (int y = 0; y < kDenseStride; ++y) {
-    for (int x = 0; x < kDenseStride; ++x) {
-      nearest = std::min(nearest, patch(column * kDenseStride + x, row * kDenseStride + y));
+  float nearest = patch(column * kMapStride, row * kMapStride);
+  for (int y = 0; y < kMapStride; ++y) {
+    for (int x = 0; x < kMapStride; ++x) {
+      nearest = std::min(nearest, patch(column * kMapStride + x, row * kMapStride + y));
     }
   }
   return nearest;
@@ -30,7 +30,7 @@ float nearest_depth(const Image<float>& patch, int row, int column) {
 std::vector<Cell> voting_cells(const FeatureMap& votes, const Image<float>& patch) {
   const double half = 0.5 * (patch.width() - 1);
   const auto centre = [&](int cell) {
-    return static_cast<float>((cell * kDenseStride + 0.5 * (kDenseStride - 1) - half) / half);
+    return static_cast<float>((cell * kMapStride + 0.5 * (kMapStride - 1) - half) / half);
   };
   std::vector<Cell> cells;
   for (int row = 0; row < votes.height(); ++row) {

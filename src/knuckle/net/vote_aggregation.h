@@ -3,7 +3,7 @@
 #pragma once
 
 #include "knuckle/core/image.h"
-#include "knuckle/net/feature_map.h"
+#include "knuckle/net/layers/feature_map.h"
 #include "knuckle/net/network_inference.h"
 
 namespace knuckle {

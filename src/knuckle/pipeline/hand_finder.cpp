@@ -10,7 +10,7 @@
 namespace knuckle {
 namespace {
 
-constexpr std::string_view kSides[] = {"right", "left"};
+constexpr std::string_view kSides[] = {"right", "left", "auto"};
 
 /// The known joints among `wanted`, in camera coordinates.
 std::vector<Point3> known_joints(const Frame& frame, std::span<const Landmark> wanted) {

@@ -13,8 +13,9 @@ namespace knuckle {
 
 /// The `[hand]` table of a pipeline file.
 struct HandOptions {
-  std::string side = "right";  ///< right | left
-  int max_hands = 1;           ///< Hands of a frame at most, [1, 16]
+  /// right | left | auto: that which segmentation tells of each hand, and right where it does not
+  std::string side = "right";
+  int max_hands = 1;  ///< Hands of a frame at most, [1, 16]
   /// Places of a frame that are tried where a pose is not sure, [1, 16]; no more than `max_hands`: none.
   int candidates = 1;
   /// A pose whose joints have less confidence on average is not sure, [0, 1]; a pipeline file that does not
@@ -23,6 +24,7 @@ struct HandOptions {
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }
+  bool is_auto() const { return side == "auto"; }
 };
 
 /// Finds the hands of a frame: the first stage of a pipeline, `[hand]` and `[segmentation]` of its file.

@@ -87,6 +87,11 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
   hands = std::move(kept);
 }
 
+/// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
+HandEstimate mirrored_back(HandEstimate hand, int width) {
+  return {mirrored(std::move(hand.region), width), mirrored(hand.pose, width), hand.score, HandSide::left};
+}
+
 }  // namespace
 
 Pipeline::Pipeline(PipelineParts parts)
@@ -115,10 +120,7 @@ FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const
   if (!finder_.hand().is_left()) return estimate_right(frame, search);
   FrameEstimate result =
       estimate_right(mirrored(frame), {mirrored(search.start), search.elsewhere, search.max_hands});
-  for (HandEstimate& hand : result.hands) {
-    hand = {mirrored(std::move(hand.region), frame.camera.width), mirrored(hand.pose, frame.camera.width),
-            hand.score, HandSide::left};
-  }
+  for (HandEstimate& hand : result.hands) hand = mirrored_back(std::move(hand), frame.camera.width);
   return result;
 }
 
@@ -168,7 +170,9 @@ void Pipeline::look_at_start(const Frame& frame, const Point3& start, HandEstima
                              StageTimes& times) const {
   const PatchOptions& patches = estimator_->patches().options();
   if (is_sure(hand) || !patches.is_cube()) return;
-  auto other = hand_in(frame, region_in_cube(frame, start, patches.cube_mm), times);
+  HandRegion region = region_in_cube(frame, start, patches.cube_mm);
+  region.side = hand.region.side;
+  auto other = hand_in(frame, std::move(region), times);
   if (other && other->score > hand.score) hand = *std::move(other);
 }
 
@@ -189,8 +193,19 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
   }
 }
 
+/// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
                                               StageTimes& times) const {
+  const bool is_left = finder_.hand().is_auto() && region.side == HandSide::left;
+  if (!is_left) return right_hand_in(frame, std::move(region), times);
+  const int width = frame.camera.width;
+  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), times);
+  if (hand) hand = mirrored_back(*std::move(hand), width);
+  return hand;
+}
+
+std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegion region,
+                                                    StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
   HandPose pose = pose_in_patch(*patch, times);
@@ -199,7 +214,7 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
     patch = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
     if (!patch) break;
     pose = pose_in_patch(*patch, times);
-    region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region.score); });
+    region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
   pose = timed(times.refine_ms, [&] {
     for (const auto& refiner : refiners_) pose = refiner->refine(frame, region, std::move(pose));
@@ -209,10 +224,12 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
   return HandEstimate{std::move(region), std::move(pose), score, HandSide::right};
 }
 
-HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const {
+HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre,
+                                      const HandRegion& before) const {
   const Point3 place = Projection(frame.camera).to_camera(centre);
   HandRegion region = region_in_cube(frame, place, estimator_->patches().options().cube_mm);
-  region.score = score;
+  region.score = before.score;
+  region.side = before.side;
   return region;
 }
 

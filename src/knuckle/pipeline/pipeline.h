@@ -31,7 +31,7 @@ struct HandEstimate {
   HandPose pose;
   /// What is known of the hand, [0, 1]: the mean confidence of its joints; 1 where the method gives none.
   double score = 1.0;
-  HandSide side = HandSide::right;  ///< what the pipeline looked for (`HandOptions::side`)
+  HandSide side = HandSide::right;  ///< as which it was looked at (`HandOptions::side`)
 };
 
 /// The status of a frame in which a start was given and the pose found there is not sure.
@@ -94,7 +94,8 @@ class Pipeline {
   void look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand, StageTimes& times) const;
   void look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const;
   std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
-  HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, double score) const;
+  std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
+  HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
   HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 
   std::string resolved_options_;

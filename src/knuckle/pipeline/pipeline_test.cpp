@@ -107,6 +107,38 @@ TEST(PipelineFromParts, RefinesInTheOrderOfTheParts) {
   EXPECT_NEAR(result.hands[0].pose.joints[0].depth_mm, 1000.0, 1e-3);
 }
 
+/// Calls all that is measured a hand of one side.
+class SidedSegmenter final : public Segmenter {
+ public:
+  explicit SidedSegmenter(std::optional<HandSide> side) : side_(side) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    for (HandRegion& region : found.hands) region.side = side_;
+    return found;
+  }
+
+ private:
+  std::optional<HandSide> side_;
+};
+
+TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
+  for (const std::string side : {"auto", "right"}) {
+    for (const auto told :
+         {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
+      PipelineParts sided{HandFinder(std::make_unique<SidedSegmenter>(told), {.side = side}),
+                          std::make_unique<CornerEstimator>()};
+      const FrameEstimate result = Pipeline(std::move(sided)).estimate(plate());
+      ASSERT_EQ(result.hands.size(), 1u);
+      const HandEstimate& hand = result.hands[0];
+      const bool is_left = side == "auto" && told == HandSide::left;
+      EXPECT_EQ(hand.side, is_left ? HandSide::left : HandSide::right);
+      EXPECT_NEAR(hand.pose.joints[0].u, is_left ? 13.0 : 4.0, 1e-9);
+      EXPECT_EQ(hand.region.box.x, 4);
+      EXPECT_EQ(hand.region.side, told);
+    }
+  }
+}
+
 TEST(PipelineFromParts, MirrorsALeftHandThereAndBack) {
   const FrameEstimate result = Pipeline(parts({.side = "left"})).estimate(plate());
   ASSERT_EQ(result.hands.size(), 1u);

@@ -43,6 +43,7 @@ HandRegion mirrored(HandRegion region, int width) {
   region.box.x = width - region.box.right();
   region.mask = mirrored(region.mask);
   region.centre.x() = -region.centre.x();
+  if (region.side) region.side = *region.side == HandSide::left ? HandSide::right : HandSide::left;
   return region;
 }
 

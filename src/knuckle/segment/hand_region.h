@@ -17,7 +17,7 @@ namespace knuckle {
 HandRegion region_of_pixels(const std::vector<std::int32_t>& pixels, int width);
 
 /// The region seen in a mirror: of an image that is `width` pixels wide and mirrored too. x of the centre
-/// changes sign.
+/// changes sign, and a side becomes the other one.
 HandRegion mirrored(HandRegion region, int width);
 
 /// What is measured in the cube around `centre` whose edges are parallel to the camera's axes; an empty box

@@ -2,24 +2,22 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
-#include <vector>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/segment/camera_cache.h"
 
 namespace knuckle {
 
-/// Keeps the ray tables of the last cameras asked for: the frames of a recording share one (and those of its
-/// thinned images), and undistorting all its pixels costs more than segmenting a frame. Safe to call from
-/// many threads; a table lives as long as its users.
+/// Keeps the ray tables of the last cameras asked for (and those of their thinned images): undistorting all
+/// pixels costs more than segmenting a frame. Safe to call from many threads.
 class RayCache {
  public:
   /// Throws an Error where the camera's values are impossible.
-  std::shared_ptr<const RayTable> rays_of(const Camera& camera);
+  std::shared_ptr<const RayTable> rays_of(const Camera& camera) { return tables_.of(camera); }
 
  private:
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<const RayTable>> last_;  // the latest first
+  CameraCache<RayTable> tables_{
+      [](const Camera& camera) { return std::make_shared<const RayTable>(camera); }};
 };
 
 }  // namespace knuckle

@@ -19,6 +19,8 @@ struct HandRegion {
   Image<std::uint8_t> mask;        ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
   Point3 centre = Point3::Zero();  ///< in camera coordinates [mm]
   double score = 0.0;              ///< larger is surer; what it means is the method's matter
+  std::optional<HandSide> side =
+      std::nullopt;  ///< which hand it is, in the frame given; where the method tells
 };
 
 /// The hands of a frame, best first. None found is an answer, not an error.

@@ -7,6 +7,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/named_table.h"
+#include "knuckle/segment/detector/detector_segmenter.h"
 #include "knuckle/segment/forest_segmenter.h"
 #include "knuckle/segment/mean_shift_segmenter.h"
 #include "knuckle/segment/segmentation_forest.h"
@@ -32,6 +33,14 @@ std::unique_ptr<Segmenter> create_forest(const OptionTable& table) {
   return std::make_unique<ForestSegmenter>(load_segmentation_forest(model), options);
 }
 
+std::unique_ptr<Segmenter> create_detector(const OptionTable& table) {
+  DetectorSegmenterOptions options;
+  const std::filesystem::path model = table.resolved_path(table.required_text("model"));
+  table.read(options);
+  table.finish();
+  return std::make_unique<DetectorSegmenter>(load_detector_weights(model), options);
+}
+
 struct SegmentationMethod {
   std::string_view name;
   /// Reads all keys of the table but `method`.
@@ -42,6 +51,7 @@ constexpr std::array kMethods{
     SegmentationMethod{"mean_shift", create<MeanShiftSegmenter, MeanShiftSegmenterOptions>},
     SegmentationMethod{"threshold", create<ThresholdSegmenter, ThresholdSegmenterOptions>},
     SegmentationMethod{"forest", create_forest},
+    SegmentationMethod{"detector", create_detector},
 };
 constexpr auto kNames = names_of(kMethods);
 

@@ -9,6 +9,7 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/segmentation_forest.h"
 #include "knuckle/segment/segmenter_factory.h"
@@ -42,9 +43,21 @@ const std::filesystem::path& trusting_forest_file() {
   return path;
 }
 
+/// A detector that has learned nothing.
+const std::filesystem::path& random_detector_file() {
+  static const testing::TemporaryFolder folder;
+  static const std::filesystem::path path = [] {
+    save_detector_weights(folder / "hands.pt", random_detector(testing::small_detector(), 1));
+    return folder / "hands.pt";
+  }();
+  return path;
+}
+
 /// What the table of a method needs beside its options.
 std::string model_line(std::string_view name) {
-  return name == "forest" ? "\nmodel = \"" + trusting_forest_file().string() + "\"" : "";
+  if (name == "forest") return "\nmodel = \"" + trusting_forest_file().string() + "\"";
+  if (name == "detector") return "\nmodel = \"" + random_detector_file().string() + "\"";
+  return "";
 }
 
 class SegmenterTest : public ::testing::TestWithParam<Setup> {

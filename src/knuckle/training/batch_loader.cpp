@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/batch_loader.h"
 
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -25,40 +26,40 @@ std::vector<std::int64_t> random_order(std::int64_t count, Random random) {
   return order;
 }
 
+/// Numbers in an array of that shape.
+std::size_t count_of(const std::vector<std::int64_t>& shape) {
+  return static_cast<std::size_t>(
+      std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>()));
+}
+
 }  // namespace
 
-BatchPlan::BatchPlan(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
-                     std::uint64_t seed)
-    : samples_(samples), augmentation_(augmentation), batch_size_(batch_size), seed_(seed) {
-  check_options(augmentation, "augmentation");
-  if (samples.size() == 0) fail("training: there is no sample to train on");
+BatchPlan::BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed)
+    : samples_(std::move(samples)), batch_size_(batch_size), seed_(seed) {
+  if (samples_->size() == 0) fail("training: there is no sample to train on");
 }
 
 std::int64_t BatchPlan::sample_of(std::int64_t place) {
-  const std::int64_t epoch = place / samples_.size();
+  const std::int64_t epoch = place / samples_->size();
   if (epoch != epoch_) {
-    order_ = random_order(samples_.size(),
+    order_ = random_order(samples_->size(),
                           Random(derived_seed(seed_, kOrders), static_cast<std::uint64_t>(epoch)));
     epoch_ = epoch;
   }
-  return order_[static_cast<std::size_t>(place % samples_.size())];
+  return order_[static_cast<std::size_t>(place % samples_->size())];
 }
 
 TrainingBatch BatchPlan::batch(std::int64_t number) {
-  const std::size_t pixels = static_cast<std::size_t>(samples_.patch().size_px) * samples_.patch().size_px;
-  const std::size_t numbers = static_cast<std::size_t>(samples_.joint_count()) * 3;
-  TrainingBatch batch;
-  batch.patches.resize(pixels * batch_size_);
-  batch.joints.resize(numbers * batch_size_);
-  const CubeViewer viewer(samples_);
+  TrainingBatch batch{{}, {}, samples_->input_shape(), samples_->target_shape()};
+  const std::size_t pixels = count_of(batch.input_shape);
+  const std::size_t numbers = count_of(batch.target_shape);
+  batch.inputs.resize(pixels * batch_size_);
+  batch.targets.resize(numbers * batch_size_);
   for (int i = 0; i < batch_size_; ++i) {
     const std::int64_t place = number * batch_size_ + i;
-    const CubeSample sample = samples_.sample(sample_of(place));
     Random random(derived_seed(seed_, kViews), static_cast<std::uint64_t>(place));
-    const RandomView seen = random_view(sample, samples_, augmentation_, random);
-    viewer.view_pixels(sample, seen.view, seen.faults, random,
-                       std::span(batch.patches).subspan(pixels * i, pixels));
-    viewer.view_joints(sample, seen.view, std::span(batch.joints).subspan(numbers * i, numbers));
+    samples_->view(sample_of(place), random, std::span(batch.inputs).subspan(pixels * i, pixels),
+                   std::span(batch.targets).subspan(numbers * i, numbers));
   }
   return batch;
 }

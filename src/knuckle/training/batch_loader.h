@@ -4,35 +4,36 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
-#include "knuckle/prepare/cube_samples.h"
-#include "knuckle/prepare/cube_view.h"
+#include "knuckle/training/sample_views.h"
 
 namespace knuckle {
 
-/// Patches and joints that are trained on in one step.
+/// What is trained on in one step.
 struct TrainingBatch {
-  std::vector<float> patches;  ///< N x size x size
-  std::vector<float> joints;   ///< N x J x 3, in patch coordinates; NaN where not known
+  std::vector<float> inputs;               ///< N x input_shape
+  std::vector<float> targets;              ///< N x target_shape
+  std::vector<std::int64_t> input_shape;   ///< of one sample
+  std::vector<std::int64_t> target_shape;  ///< of one sample
 };
 
 /// Batch number `number` of a training: which samples, seen how, is a function of the arguments alone. Every
 /// sample is seen once before any is seen again, in another order each time.
 class BatchPlan {
  public:
-  BatchPlan(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
-            std::uint64_t seed);
+  /// Throws an Error where there is no sample.
+  BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed);
   TrainingBatch batch(std::int64_t number);
   int batch_size() const { return batch_size_; }
 
  private:
   std::int64_t sample_of(std::int64_t place);
 
-  const CubeSamples& samples_;
-  AugmentationOptions augmentation_;
+  std::shared_ptr<const SampleViews> samples_;
   int batch_size_;
   std::uint64_t seed_;
   std::int64_t epoch_ = -1;

@@ -18,13 +18,18 @@ using testing::no_augmentation;
 
 constexpr std::size_t kNumbers = kTestJoints * 3;
 
+BatchPlan plan_of(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
+                  std::uint64_t seed) {
+  return {std::make_shared<const CubeSampleViews>(samples, augmentation), batch_size, seed};
+}
+
 /// How often each sample is in the batches [0, count); samples are told apart by their first joint's depth.
 std::map<float, int> times_seen(const CubeSamples& samples, int batch_size, int count) {
-  BatchPlan plan(samples, no_augmentation(), batch_size, 3);
+  BatchPlan plan = plan_of(samples, no_augmentation(), batch_size, 3);
   std::map<float, int> times;
   for (int number = 0; number < count; ++number) {
     const TrainingBatch batch = plan.batch(number);
-    for (std::size_t i = 2; i < batch.joints.size(); i += kNumbers) ++times[batch.joints[i]];
+    for (std::size_t i = 2; i < batch.targets.size(); i += kNumbers) ++times[batch.targets[i]];
   }
   return times;
 }
@@ -48,45 +53,44 @@ TEST(BatchPlan, ABatchMayBeLargerThanTheSet) {
 
 TEST(BatchPlan, EpochsHaveDifferentOrders) {
   const CubeSamples samples = made_up_samples(16);
-  BatchPlan plan(samples, no_augmentation(), 16, 3);
-  EXPECT_NE(plan.batch(0).joints, plan.batch(1).joints);
+  BatchPlan plan = plan_of(samples, no_augmentation(), 16, 3);
+  EXPECT_NE(plan.batch(0).targets, plan.batch(1).targets);
 }
 
 TEST(BatchPlan, ABatchDependsOnItsNumberAndTheSeedAlone) {
   const CubeSamples samples = made_up_samples(10);
-  BatchPlan plan(samples, {}, 4, 3);
+  BatchPlan plan = plan_of(samples, {}, 4, 3);
   for (int number = 0; number < 6; ++number) (void)plan.batch(number);
-  BatchPlan fresh(samples, {}, 4, 3);
-  BatchPlan other(samples, {}, 4, 4);
+  BatchPlan fresh = plan_of(samples, {}, 4, 3);
+  BatchPlan other = plan_of(samples, {}, 4, 4);
   for (const int number : {5, 0, 3}) {
     const TrainingBatch batch = plan.batch(number);
-    EXPECT_EQ(batch.patches, fresh.batch(number).patches);
-    EXPECT_EQ(batch.patches.size(), 4u * 32 * 32);
-    EXPECT_NE(batch.patches, other.batch(number).patches);
+    EXPECT_EQ(batch.inputs, fresh.batch(number).inputs);
+    EXPECT_EQ(batch.inputs.size(), 4u * 32 * 32);
+    EXPECT_NE(batch.inputs, other.batch(number).inputs);
   }
 }
 
 TEST(BatchPlan, RefusesAnEmptySetAndOptionsOutOfRange) {
   const CubeSamples none = made_up_samples(0);
-  EXPECT_THAT(error_of([&] { BatchPlan(none, {}, 4, 1); }), HasSubstr("no sample to train on"));
+  EXPECT_THAT(error_of([&] { plan_of(none, {}, 4, 1); }), HasSubstr("no sample to train on"));
   const CubeSamples samples = made_up_samples(1);
-  EXPECT_THAT(error_of([&] { BatchPlan(samples, {.rotation_deg = 200.0}, 4, 1); }),
-              HasSubstr("rotation_deg"));
+  EXPECT_THAT(error_of([&] { plan_of(samples, {.rotation_deg = 200.0}, 4, 1); }), HasSubstr("rotation_deg"));
 }
 
 TEST(BatchLoader, GivesTheBatchesOfThePlanInOrderFromAnyStart) {
   const CubeSamples samples = made_up_samples(10);
-  BatchPlan plan(samples, {}, 4, 3);
-  BatchLoader loader(BatchPlan(samples, {}, 4, 3), 7, 30);  // more than are made ahead
-  for (int number = 7; number < 30; ++number) EXPECT_EQ(loader.next().patches, plan.batch(number).patches);
+  BatchPlan plan = plan_of(samples, {}, 4, 3);
+  BatchLoader loader(plan_of(samples, {}, 4, 3), 7, 30);  // more than are made ahead
+  for (int number = 7; number < 30; ++number) EXPECT_EQ(loader.next().inputs, plan.batch(number).inputs);
   EXPECT_THAT(error_of([&] { loader.next(); }), HasSubstr("no batch left"));
   EXPECT_GE(loader.waited_seconds(), 0.0);
 }
 
 TEST(BatchLoader, EndsWhileBatchesAreLeft) {
   const CubeSamples samples = made_up_samples(10);
-  BatchLoader loader(BatchPlan(samples, {}, 4, 3), 0, 1000000000);
-  EXPECT_EQ(loader.next().joints.size(), 4 * kNumbers);
+  BatchLoader loader(plan_of(samples, {}, 4, 3), 0, 1000000000);
+  EXPECT_EQ(loader.next().targets.size(), 4 * kNumbers);
 }
 
 }  // namespace

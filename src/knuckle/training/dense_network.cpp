@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/dense_network.h"
 
-#include <string>
-
 #include <torch/nn/functional/loss.h>
-#include <torch/nn/init.h>
 #include <torch/utils.h>
 
 #include "knuckle/net/dense_architecture.h"
@@ -14,7 +11,7 @@
 namespace knuckle {
 namespace {
 
-constexpr int kStride = kDenseStride;
+constexpr int kStride = kMapStride;
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
 
@@ -59,45 +56,13 @@ struct DenseNetwork::Votes {
 };
 
 DenseNetwork::DenseNetwork(const NetworkOptions& options)
-    : NetworkModule(options.patch.size_px), joint_count_(options.joint_count()), options_(options.dense) {
-  const auto unit = [&](const std::string& name, const ConvolutionUnit::Shape& shape) {
-    return register_module(name, std::make_shared<ConvolutionUnit>(shape));
-  };
-  const int channels[] = {options_.stem_channels, options_.quarter_channels, options_.eighth_channels,
-                          options_.sixteenth_channels};
-  down_.push_back(unit("stem", {1, channels[0], 5, 2}));
-  for (int stage = 1; stage <= 3; ++stage) {
-    down_.push_back(unit("down" + std::to_string(stage), {channels[stage - 1], channels[stage], 3, 2}));
-    auto& blocks = blocks_.emplace_back();
-    for (int i = 0; i < options_.blocks; ++i) {
-      const std::string name = "block" + std::to_string(stage) + "_" + std::to_string(i);
-      blocks.push_back(register_module(name, std::make_shared<ResidualBlock>(channels[stage])));
-    }
-  }
-  lateral_ = {unit("lateral2", {channels[3], channels[2], 1, 1}),
-              unit("lateral1", {channels[2], channels[1], 1, 1})};
-  smooth_ = {unit("smooth2", {channels[2], channels[2], 3, 1}),
-             unit("smooth1", {channels[1], options_.head_channels, 3, 1})};
-  const torch::nn::Conv2dOptions head(options_.head_channels, kMapsPerJoint * joint_count_, 1);
-  head_ = register_module("head", torch::nn::Conv2d(head));
-  torch::nn::init::normal_(head_->weight, 0.0, 0.01);
-  torch::nn::init::zeros_(head_->bias);
-}
+    : NetworkModule(options.patch.size_px),
+      joint_count_(options.joint_count()),
+      options_(options.dense),
+      network_(*this, dense_shape(options)) {}
 
 torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
-  torch::Tensor features =
-      down_[0]->forward(to_compute(patches).contiguous(torch::MemoryFormat::ChannelsLast));
-  std::vector<torch::Tensor> stages;
-  for (std::size_t stage = 0; stage < blocks_.size(); ++stage) {
-    features = down_[stage + 1]->forward(features);
-    for (const auto& block : blocks_[stage]) features = block->forward(features);
-    stages.push_back(features);
-  }
-  for (std::size_t i = 0; i < lateral_.size(); ++i) {
-    const torch::Tensor coarse = twice_as_large(lateral_[i]->forward(features));
-    features = smooth_[i]->forward(coarse + stages[1 - i]);
-  }
-  return head_->forward(features.to(patches.scalar_type()));  // votes are fractions of a millimetre: all bits
+  return network_.forward(to_compute(patches)).to(patches.scalar_type());
 }
 
 DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const torch::Tensor& patches) const {

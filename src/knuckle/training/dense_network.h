@@ -2,9 +2,7 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
-#include <vector>
-
-#include "knuckle/training/layers.h"
+#include "knuckle/training/encoder_decoder_module.h"
 #include "knuckle/training/network_module.h"
 
 namespace knuckle {
@@ -35,11 +33,7 @@ class DenseNetwork final : public NetworkModule {
 
   int joint_count_;
   DenseNetworkOptions options_;
-  std::vector<std::shared_ptr<ConvolutionUnit>> down_;               // stem, and one per stage
-  std::vector<std::vector<std::shared_ptr<ResidualBlock>>> blocks_;  // a stage
-  std::vector<std::shared_ptr<ConvolutionUnit>> lateral_;
-  std::vector<std::shared_ptr<ConvolutionUnit>> smooth_;
-  torch::nn::Conv2d head_{nullptr};
+  EncoderDecoderModule network_;
 };
 
 }  // namespace knuckle

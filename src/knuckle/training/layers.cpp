@@ -5,7 +5,7 @@
 #include <torch/nn/init.h>
 #include <torch/utils.h>
 
-#include "knuckle/net/batch_norm.h"
+#include "knuckle/net/layers/batch_norm.h"
 
 namespace knuckle {
 namespace {

@@ -6,13 +6,13 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/random.h"
-#include "knuckle/training/network_module.h"
+#include "knuckle/training/trainable_module.h"
 
 namespace knuckle::testing {
 
 /// Compares the gradient of a network's loss in its output with central differences, at 60 random places. All
 /// tensors are in double precision.
-inline void expect_gradient_of_finite_differences(NetworkModule& network, const torch::Tensor& patches,
+inline void expect_gradient_of_finite_differences(TrainableModule& network, const torch::Tensor& patches,
                                                   const torch::Tensor& joints, torch::Tensor output) {
   constexpr double kStep = 1e-6;
   constexpr double kTolerance = 1e-7;

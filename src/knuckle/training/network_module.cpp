@@ -39,11 +39,7 @@ std::shared_ptr<NetworkModule> make_network(const NetworkOptions& options, std::
   check(options, "network");
   torch::manual_seed(seed);  // weights are drawn from LibTorch's own generator
   std::shared_ptr<NetworkModule> network = row_named(kArchitectures, options.architecture)->make(options);
-  for (torch::Tensor& parameter : network->parameters()) {
-    if (parameter.dim() == 4) {
-      parameter.set_data(parameter.detach().contiguous(torch::MemoryFormat::ChannelsLast));
-    }
-  }
+  lay_out_for_channels_last(*network);
   return network;
 }
 

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/training/pose_training_task.h"
 #include "knuckle/training/torch_errors.h"
 #include "knuckle/training/torch_threads.h"
 #include "knuckle/training/trainer.h"
@@ -50,16 +51,28 @@ void NetworkTrainingOptions::visit(OptionVisitor& visitor) {
   visitor.seed("seed", seed);
 }
 
-std::string metrics_csv(const std::vector<TrainingMetrics>& metrics) {
-  std::string csv =
-      "step,samples,learning_rate,training_loss,validation_first_mm,validation_second_mm,samples_per_second,"
-      "waiting_share\n";
+std::string metrics_csv(const std::vector<TrainingMetrics>& metrics,
+                        std::span<const std::string_view> names) {
+  std::string csv = "step,samples,learning_rate,training_loss,";
+  for (const std::string_view name : names) csv += fmt::format("validation_{},", name);
+  csv += "samples_per_second,waiting_share\n";
   for (const TrainingMetrics& m : metrics) {
-    csv += fmt::format("{},{},{:.6g},{:.6g},{:.3f},{:.3f},{:.1f},{:.4f}\n", m.step, m.samples,
-                       m.learning_rate, m.training_loss, m.validation.first_mm, m.validation.second_mm,
-                       m.samples_per_second, m.waiting_share);
+    csv += fmt::format("{},{},{:.6g},{:.6g},", m.step, m.samples, m.learning_rate, m.training_loss);
+    for (const double score : m.validation) csv += fmt::format("{:.3f},", score);
+    csv += fmt::format("{:.1f},{:.4f}\n", m.samples_per_second, m.waiting_share);
   }
   return csv;
+}
+
+std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTrainingOptions& options,
+                                   const NetworkTrainingRun& run) {
+  check_options(options, "training");
+  if (options.batch_size % options.shards != 0) {
+    fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
+  }
+  use_calling_thread_alone();
+  keep_freed_memory();
+  return with_clear_errors("training", [&] { return Trainer(task, options, run).train(); });
 }
 
 std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
@@ -68,10 +81,6 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const CubeSamples& training, const CubeSamples& validation,
                                            const NetworkTrainingRun& run) {
   check(network, "training");
-  check_options(options, "training");
-  if (options.batch_size % options.shards != 0) {
-    fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
-  }
   if (options.batch_size == options.shards && network.architecture != "dense") {
     fail(
         "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
@@ -79,10 +88,7 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
   }
   if (training.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");
-  use_calling_thread_alone();
-  keep_freed_memory();
-  return with_clear_errors(
-      "training", [&] { return Trainer(network, options, augmentation, training, validation, run).train(); });
+  return train(PoseTrainingTask(network, augmentation, training, validation), options, run);
 }
 
 }  // namespace knuckle

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "knuckle/net/network_options.h"
@@ -35,25 +38,26 @@ struct NetworkTrainingOptions {
   void visit(OptionVisitor& visitor);
 };
 
-/// Mean distance of joints over a validation set [mm].
-struct ValidationErrors {
-  double first_mm = kNaN;   ///< around the given centres
-  double second_mm = kNaN;  ///< after a second look, around the mean of the joints found first
+/// Numbers of a validation of a network that infers poses: the mean distance of joints [mm].
+enum PoseScore : std::size_t {
+  kFirstLook,   ///< around the given centres
+  kSecondLook,  ///< after a second look, around the mean of the joints found first; the best has the least
 };
+inline constexpr std::array<std::string_view, 2> kPoseScoreNames{"first_mm", "second_mm"};
 
 /// One line of a training's metrics.
 struct TrainingMetrics {
   std::int64_t step = 0;
   std::int64_t samples = 0;  ///< seen so far
   double learning_rate = 0.0;
-  double training_loss = 0.0;  ///< mean since the line before
-  ValidationErrors validation;
+  double training_loss = 0.0;       ///< mean since the line before
+  std::vector<double> validation;   ///< PoseScore, or DetectorScore
   double samples_per_second = 0.0;  ///< since the line before, validation not counted
   double waiting_share = 0.0;       ///< of the time, for batches
 };
 
-/// Metrics as CSV, a line per validation.
-std::string metrics_csv(const std::vector<TrainingMetrics>& metrics);
+/// Metrics as CSV, a line per validation; `names` are those of its numbers.
+std::string metrics_csv(const std::vector<TrainingMetrics>& metrics, std::span<const std::string_view> names);
 
 /// Where and how one training runs.
 struct NetworkTrainingRun {
@@ -71,6 +75,12 @@ struct NetworkTrainingRun {
   /// Called at each validation with all metrics so far, those before a checkpoint included; may be empty.
   std::function<void(const std::vector<TrainingMetrics>&)> report;
 };
+
+class TrainingTask;
+
+/// Trains what a task says. Throws as `train_network` does.
+std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTrainingOptions& options,
+                                   const NetworkTrainingRun& run);
 
 /// Trains a network on `training` and keeps what is best on `validation`.
 ///

@@ -89,7 +89,7 @@ TEST_P(EveryArchitecture, HasTheSameWeightsForAnyNumberOfThreads) {
   const auto two = train(short_training(), run("two"), network());
   expect_same_state("one", "two");
   ASSERT_EQ(one.size(), 2u);
-  EXPECT_EQ(one.back().validation.second_mm, two.back().validation.second_mm);
+  EXPECT_EQ(one.back().validation[kSecondLook], two.back().validation[kSecondLook]);
 }
 
 TEST_P(EveryArchitecture, GoesOnFromACheckpointToTheSameBits) {
@@ -127,8 +127,8 @@ TEST_P(EveryArchitecture, InBfloat16LearnsNearlyTheSame) {
 
 TEST_P(EveryArchitecture, ItsModelGivesTheAnswersOfTheValidation) {
   const std::vector<TrainingMetrics> metrics = train(short_training(), run(), network());
-  const auto best =
-      std::ranges::min_element(metrics, {}, [](const TrainingMetrics& m) { return m.validation.second_mm; });
+  const auto best = std::ranges::min_element(
+      metrics, {}, [](const TrainingMetrics& m) { return m.validation[kSecondLook]; });
   const PoseNetwork model(folder_ / "net.pt");
   EXPECT_EQ(model.options().architecture, GetParam());
   const CubeViewer viewer(validation_);
@@ -151,7 +151,7 @@ TEST_P(EveryArchitecture, ItsModelGivesTheAnswersOfTheValidation) {
     }
   }
   const double mean_mm = sum_mm / static_cast<double>(14 * validation_.size());
-  EXPECT_NEAR(mean_mm, best->validation.first_mm, 0.01 * mean_mm) << "but for half precision";
+  EXPECT_NEAR(mean_mm, best->validation[kFirstLook], 0.01 * mean_mm) << "but for half precision";
 }
 
 TEST_F(NetworkTraining, DenseLearns32SamplesByHeart) {
@@ -164,7 +164,7 @@ TEST_F(NetworkTraining, DenseLearns32SamplesByHeart) {
   options.average_decay = 0.9;
   const CubeSamples samples = made_up_samples(32);
   const auto metrics = train_network(small_network(), options, no_augmentation(), samples, samples, run());
-  EXPECT_LT(metrics.back().validation.first_mm, 1.0);
+  EXPECT_LT(metrics.back().validation[kFirstLook], 1.0);
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
 }
 
@@ -251,8 +251,8 @@ TEST_F(NetworkTraining, StopsWhereValidationGetsNoBetter) {
   options.learning_rate = {.learning_rate = 5.0, .schedule = "constant", .warm_up = 0.0};
   const auto metrics = train(options, run());
   ASSERT_LT(metrics.size(), 1000u);
-  const auto best =
-      std::ranges::min_element(metrics, {}, [](const TrainingMetrics& m) { return m.validation.second_mm; });
+  const auto best = std::ranges::min_element(
+      metrics, {}, [](const TrainingMetrics& m) { return m.validation[kSecondLook]; });
   EXPECT_EQ(metrics.end() - best, 3) << "the best, and two that are no better";
   EXPECT_EQ(train(options, run("net", Begin::from_checkpoint)).size(), metrics.size()) << "it stays ended";
 }
@@ -321,7 +321,7 @@ TEST(MetricsCsv, HasOneLinePerValidation) {
                                                  .samples_per_second = 100.0,
                                                  .waiting_share = 0.125}};
   EXPECT_EQ(
-      metrics_csv(metrics),
+      metrics_csv(metrics, kPoseScoreNames),
       "step,samples,learning_rate,training_loss,validation_first_mm,validation_second_mm,samples_per_second,"
       "waiting_share\n2,8,0.5,0.25,12.000,11.500,100.0,0.1250\n");
 }

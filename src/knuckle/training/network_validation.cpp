@@ -86,8 +86,8 @@ class Chunk {
 
 }  // namespace
 
-ValidationErrors validation_errors(NetworkModule& network, const CubeSamples& samples,
-                                   const torch::Device& device) {
+std::vector<double> validation_errors(NetworkModule& network, const CubeSamples& samples,
+                                      const torch::Device& device) {
   const std::int64_t chunks = (samples.size() + kChunk - 1) / kChunk;
   std::vector<ErrorSum> first(static_cast<std::size_t>(chunks));
   std::vector<ErrorSum> second(first.size());

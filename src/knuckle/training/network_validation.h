@@ -10,9 +10,9 @@
 
 namespace knuckle {
 
-/// The mean error of a network (in evaluation) over samples that are seen as they were cut out, and again
+/// The PoseScores of a network (in evaluation) over samples that are seen as they were cut out, and again
 /// around the mean of the joints found first.
-ValidationErrors validation_errors(NetworkModule& network, const CubeSamples& samples,
-                                   const torch::Device& device);
+std::vector<double> validation_errors(NetworkModule& network, const CubeSamples& samples,
+                                      const torch::Device& device);
 
 }  // namespace knuckle

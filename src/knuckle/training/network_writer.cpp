@@ -34,10 +34,9 @@ torch::Tensor as_tensor(std::span<const Number> numbers, torch::ScalarType type)
 
 }  // namespace
 
-NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& network) {
+void copy_weights(const TrainableModule& network, WeightArrays& weights) {
   const auto parameters = network.named_parameters();
   const auto buffers = network.named_buffers();
-  NetworkWeights weights(options);
   for (const NetworkArray& array : weights.arrays()) {
     const bool is_half = array.precision == NetworkArray::Precision::half;
     const torch::Tensor* const tensor = is_half ? parameters.find(array.name) : buffers.find(array.name);
@@ -48,10 +47,15 @@ NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& ne
       copy_values(*tensor, torch::kFloat, array, weights.singles(array.name));
     }
   }
+}
+
+NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& network) {
+  NetworkWeights weights(options);
+  copy_weights(network, weights);
   return weights;
 }
 
-void set_weights(NetworkModule& network, const NetworkWeights& weights) {
+void set_weights(TrainableModule& network, const WeightArrays& weights) {
   const torch::NoGradGuard no_gradient;
   const auto parameters = network.named_parameters();
   const auto buffers = network.named_buffers();

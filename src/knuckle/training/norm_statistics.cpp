@@ -10,7 +10,7 @@ namespace knuckle {
 namespace {
 
 template <class Norm>
-std::vector<Norm*> norms_of(NetworkModule& network) {
+std::vector<Norm*> norms_of(TrainableModule& network) {
   std::vector<Norm*> norms;
   for (const auto& module : network.modules(false)) {
     if (auto* const norm = module->as<Norm>()) norms.push_back(norm);
@@ -26,14 +26,16 @@ void reset(const std::vector<Norm*>& norms) {
   }
 }
 
-torch::Tensor patches_of(TrainingBatch& batch, int64_t size, const torch::Device& device) {
-  const auto count = static_cast<int64_t>(batch.patches.size()) / (size * size);
-  return torch::from_blob(batch.patches.data(), {count, 1, size, size}).to(device);
+torch::Tensor inputs_of(TrainingBatch& batch, const torch::Device& device) {
+  std::vector<int64_t> shape = batch.input_shape;
+  shape.insert(shape.begin(), -1);
+  const auto numbers = static_cast<int64_t>(batch.inputs.size());
+  return torch::from_blob(batch.inputs.data(), {numbers}).view(shape).to(device);
 }
 
 }  // namespace
 
-void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches,
+void measure_norm_statistics(TrainableModule& network, BatchPlan plan, int batches,
                              const torch::Device& device) {
   const torch::NoGradGuard no_gradient;
   const auto of_maps = norms_of<torch::nn::BatchNorm2dImpl>(network);
@@ -44,7 +46,7 @@ void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches
   network.train();
   for (int i = 0; i < batches; ++i) {
     TrainingBatch batch = plan.batch(i);
-    network.forward(patches_of(batch, network.patch_size(), device));
+    network.forward(inputs_of(batch, device));
   }
   // In training a norm divides by the deviation within its batch, but LibTorch keeps the unbiased variance:
   // too much by a part in as many as the batch has samples. Maps have thousands of numbers per sample.

@@ -5,7 +5,7 @@
 #include <torch/types.h>
 
 #include "knuckle/training/batch_loader.h"
-#include "knuckle/training/network_module.h"
+#include "knuckle/training/trainable_module.h"
 
 namespace knuckle {
 
@@ -13,7 +13,7 @@ namespace knuckle {
 /// need it: the running statistics are those of the weights in training, whose activations differ (Izmailov
 /// et al., "Averaging weights leads to wider optima and better generalization", 2018). Leaves the network in
 /// evaluation.
-void measure_norm_statistics(NetworkModule& network, BatchPlan plan, int batches,
+void measure_norm_statistics(TrainableModule& network, BatchPlan plan, int batches,
                              const torch::Device& device);
 
 }  // namespace knuckle

@@ -145,7 +145,7 @@ TEST_P(PaperNetworks, Learn32SamplesByHeart) {
   const CubeSamples samples = testing::made_up_samples(32, kJointBehindSkinMm);
   const auto metrics = train_network(network, options, testing::no_augmentation(), samples, samples,
                                      testing::run_in(folder.path(), "net"));
-  EXPECT_LT(metrics.back().validation.first_mm, 1.0);
+  EXPECT_LT(metrics.back().validation[kFirstLook], 1.0);
 }
 
 TEST_P(PaperNetworks, RefuseShardsOfASingleSample) {

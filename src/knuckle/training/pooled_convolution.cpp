@@ -9,7 +9,7 @@
 #include <torch/nn/functional/pooling.h>
 #include <torch/utils.h>
 
-#include "knuckle/net/convolution.h"
+#include "knuckle/net/layers/convolution.h"
 
 namespace knuckle {
 namespace {

@@ -10,11 +10,11 @@
 
 namespace knuckle {
 
-ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed, int shards,
+ShardedNetwork::ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int shards,
                                const torch::Device& device)
     : device_(device) {
   for (int i = 0; i < shards; ++i) {
-    shards_.push_back(make_network(options, seed));
+    shards_.push_back(task.make_module(seed));
     shards_.back()->to(device);
     shards_.back()->train();
     const std::vector<torch::Tensor> own = shards_.back()->parameters();
@@ -25,7 +25,7 @@ ShardedNetwork::ShardedNetwork(const NetworkOptions& options, std::uint64_t seed
 }
 
 void ShardedNetwork::compute_in(torch::ScalarType type) {
-  for (const std::shared_ptr<NetworkModule>& shard : shards_) shard->compute_in(type);
+  for (const std::shared_ptr<TrainableModule>& shard : shards_) shard->compute_in(type);
 }
 
 double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
@@ -42,20 +42,20 @@ double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
 
 double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
   use_calling_thread_alone();
-  NetworkModule& network = *shards_[shard];
+  TrainableModule& network = *shards_[shard];
   for (torch::Tensor& parameter : network.parameters()) parameter.mutable_grad() = torch::Tensor();
   const std::size_t parts = shards_.size();
   const auto part_of = [&](std::vector<float>& values, std::vector<int64_t> shape) {
     const std::size_t size = values.size() / parts;
-    return torch::from_blob(values.data() + shard * size, shape).to(device_);
+    shape.insert(shape.begin(), -1);
+    return torch::from_blob(values.data() + shard * size, {static_cast<int64_t>(size)})
+        .view(shape)
+        .to(device_);
   };
-  const int64_t size = network.patch_size();
-  const auto count = static_cast<int64_t>(batch.patches.size() / parts) / (size * size);
-  const torch::Tensor patches = part_of(batch.patches, {count, 1, size, size});
-  const auto numbers = static_cast<int64_t>(batch.joints.size() / parts);
-  const torch::Tensor joints = part_of(batch.joints, {count, numbers / (3 * count), 3});
+  const torch::Tensor inputs = part_of(batch.inputs, batch.input_shape);
+  const torch::Tensor targets = part_of(batch.targets, batch.target_shape);
   const torch::Tensor loss =
-      network.loss(network.forward(patches), patches, joints) / static_cast<double>(parts);
+      network.loss(network.forward(inputs), inputs, targets) / static_cast<double>(parts);
   loss.backward();
   return loss.item<double>();
 }
@@ -63,7 +63,7 @@ double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
 void ShardedNetwork::sum_gradients() {
   if (shards_.size() == 1) return;
   std::vector<std::vector<torch::Tensor>> gradients;
-  for (const std::shared_ptr<NetworkModule>& shard : shards_) {
+  for (const std::shared_ptr<TrainableModule>& shard : shards_) {
     std::vector<torch::Tensor>& own = gradients.emplace_back();
     for (const torch::Tensor& parameter : shard->parameters()) own.push_back(parameter.grad());
   }

@@ -8,8 +8,8 @@
 #include <torch/types.h>
 
 #include "knuckle/training/batch_loader.h"
-#include "knuckle/training/network_module.h"
 #include "knuckle/training/tensor_pieces.h"
+#include "knuckle/training/training_task.h"
 
 namespace knuckle {
 
@@ -17,7 +17,7 @@ namespace knuckle {
 /// with a copy that shares the weights and has gradients and batch norm statistics of its own.
 class ShardedNetwork {
  public:
-  ShardedNetwork(const NetworkOptions& options, std::uint64_t seed, int shards, const torch::Device& device);
+  ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int shards, const torch::Device& device);
 
   /// From now on `backward` multiplies in numbers of this type; weights, gradients and loss keep theirs.
   void compute_in(torch::ScalarType type);
@@ -37,7 +37,7 @@ class ShardedNetwork {
   void average_buffers();
 
   torch::Device device_;
-  std::vector<std::shared_ptr<NetworkModule>> shards_;
+  std::vector<std::shared_ptr<TrainableModule>> shards_;
   TensorPieces pieces_{{}};
 };
 

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <torch/utils.h>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
-#include "knuckle/net/network_file.h"
 #include "knuckle/training/archive.h"
-#include "knuckle/training/network_validation.h"
-#include "knuckle/training/network_writer.h"
 #include "knuckle/training/norm_statistics.h"
 #include "knuckle/training/torch_device.h"
 
@@ -21,7 +19,7 @@ namespace {
 
 constexpr std::string_view kCheckpointFormat = "knuckle-network-checkpoint";
 constexpr int kCheckpointVersion = 2;
-constexpr int64_t kMetricsColumns = 8;
+constexpr std::size_t kFixedColumns = 6;  // of metrics, beside the numbers of the validation
 /// A young average forgets sooner: its decay is at most (1 + step) / (10 + step).
 constexpr double kAverageDelay = 10.0;
 /// Batches that the averaged network's norms are measured over.
@@ -31,29 +29,27 @@ torch::Tensor as_tensor(const std::vector<TrainingMetrics>& metrics) {
   std::vector<double> values;
   for (const TrainingMetrics& m : metrics) {
     values.insert(values.end(), {static_cast<double>(m.step), static_cast<double>(m.samples), m.learning_rate,
-                                 m.training_loss, m.validation.first_mm, m.validation.second_mm,
-                                 m.samples_per_second, m.waiting_share});
+                                 m.training_loss});
+    values.insert(values.end(), m.validation.begin(), m.validation.end());
+    values.insert(values.end(), {m.samples_per_second, m.waiting_share});
   }
-  return torch::tensor(values, torch::kDouble).view({-1, kMetricsColumns});
+  return torch::tensor(values, torch::kDouble).view({std::ssize(metrics), -1});
 }
 
 std::vector<TrainingMetrics> metrics_of(const torch::Tensor& tensor) {
   std::vector<TrainingMetrics> metrics;
   const torch::Tensor values = tensor.contiguous();
+  const auto columns = static_cast<std::size_t>(values.size(1));
   for (int64_t i = 0; i < values.size(0); ++i) {
-    const double* const v = values.data_ptr<double>() + i * kMetricsColumns;
-    metrics.push_back({static_cast<std::int64_t>(v[0]),
-                       static_cast<std::int64_t>(v[1]),
-                       v[2],
-                       v[3],
-                       {v[4], v[5]},
-                       v[6],
-                       v[7]});
+    const std::span<const double> v(values.data_ptr<double>() + i * values.size(1), columns);
+    const auto scores = v.subspan(4, columns - kFixedColumns);
+    metrics.push_back({static_cast<std::int64_t>(v[0]), static_cast<std::int64_t>(v[1]), v[2], v[3],
+                       std::vector<double>(scores.begin(), scores.end()), v[columns - 2], v[columns - 1]});
   }
   return metrics;
 }
 
-NetworkModule& on_device(NetworkModule& network, const torch::Device& device) {
+TrainableModule& on_device(TrainableModule& network, const torch::Device& device) {
   network.to(device);
   return network;
 }
@@ -65,19 +61,15 @@ std::int64_t steps_of(std::int64_t samples, const NetworkTrainingOptions& option
 
 }  // namespace
 
-Trainer::Trainer(const NetworkOptions& network, const NetworkTrainingOptions& options,
-                 const AugmentationOptions& augmentation, const CubeSamples& training,
-                 const CubeSamples& validation, const NetworkTrainingRun& run)
-    : network_options_(network),
+Trainer::Trainer(const TrainingTask& task, const NetworkTrainingOptions& options,
+                 const NetworkTrainingRun& run)
+    : task_(task),
       options_(options),
-      augmentation_(augmentation),
-      training_(training),
-      validation_(validation),
       run_(run),
       device_(device_from_name(run.device)),
-      step_count_(steps_of(training.size(), options)),
-      network_(network, options.seed, options.shards, device_),
-      averaged_(make_network(network, options.seed)),
+      step_count_(steps_of(task.views()->size(), options)),
+      network_(task, options.seed, options.shards, device_),
+      averaged_(task.make_module(options.seed)),
       optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options) {
   averaged_->eval();
   if (options.precision == "bfloat16") network_.compute_in(torch::kBFloat16);
@@ -92,7 +84,7 @@ std::vector<TrainingMetrics> Trainer::train() {
   const std::int64_t end =
       run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
   if (step_ >= end || has_run_out_of_patience()) return metrics_;
-  BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
+  BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
   BatchLoader loader(std::move(plan), step_, end);
   Progress shown("train", "samples", (end - step_) * options_.batch_size);
   bool is_done = false;
@@ -160,7 +152,7 @@ double Trainer::decay_of_average() const {
 
 void Trainer::validate(const BatchLoader& loader) {
   const torch::NoGradGuard no_gradient;
-  const BatchPlan plan(training_, augmentation_, options_.batch_size, options_.seed);
+  const BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
   measure_norm_statistics(*averaged_, plan, kNormBatches, device_);
 
   TrainingMetrics metrics;
@@ -171,8 +163,8 @@ void Trainer::validate(const BatchLoader& loader) {
   metrics.training_loss = loss_sum_ / static_cast<double>(loss_count_);
   metrics.samples_per_second = static_cast<double>(loss_count_ * options_.batch_size) / seconds;
   metrics.waiting_share = (loader.waited_seconds() - waited_before_) / seconds;
-  metrics.validation = validation_errors(*averaged_, validation_, device_);
-  if (is_best(metrics)) save_network(run_.model, network_options_, *averaged_);
+  metrics.validation = task_.validate(*averaged_, device_);
+  if (is_best(metrics)) task_.save(run_.model, *averaged_);
   metrics_.push_back(metrics);
   save_checkpoint();
   if (run_.report) run_.report(metrics_);
@@ -183,34 +175,28 @@ void Trainer::validate(const BatchLoader& loader) {
 }
 
 bool Trainer::is_best(const TrainingMetrics& metrics) const {
-  if (!std::isfinite(metrics.validation.second_mm)) return false;
+  if (!std::isfinite(metrics.validation.back())) return false;
   return std::ranges::all_of(metrics_, [&](const TrainingMetrics& before) {
-    return !(before.validation.second_mm <= metrics.validation.second_mm);
+    return !(before.validation.back() <= metrics.validation.back());
   });
 }
 
 bool Trainer::has_run_out_of_patience() const {
   if (options_.patience == 0 || metrics_.empty()) return false;
-  const auto error = [](const TrainingMetrics& m) { return m.validation.second_mm; };
+  const auto error = [](const TrainingMetrics& m) { return m.validation.back(); };
   const auto best = std::ranges::min_element(metrics_, {}, error);
   return metrics_.end() - best > options_.patience;
 }
 
 std::string Trainer::identity() const {
-  return network_options_as_toml(network_options_) + "[training]\n" + options_as_toml(options_) +
-         "[augmentation]\n" + options_as_toml(augmentation_) +
-         fmt::format("[data]\nsamples = {}\ninitial = \"{}\"\n", training_.size(),
-                     run_.initial.filename().string());
+  return task_.identity(options_as_toml(options_)) + fmt::format("[data]\nsamples = {}\ninitial = \"{}\"\n",
+                                                                 task_.views()->size(),
+                                                                 run_.initial.filename().string());
 }
 
 void Trainer::load_initial() {
   const torch::NoGradGuard no_gradient;
-  const NetworkWeights initial = load_network_weights(run_.initial);
-  if (network_options_as_toml(initial.options()) != network_options_as_toml(network_options_)) {
-    fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
-         run_.initial.string());
-  }
-  set_weights(*averaged_, initial);
+  task_.load(run_.initial, *averaged_);
   const auto copy = [](const std::vector<torch::Tensor>& from, const std::vector<torch::Tensor>& to) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
   };
@@ -242,7 +228,9 @@ void Trainer::load_checkpoint() {
   network_.share_buffers();
   archive.copy_into("averages", averaged_->parameters());
   const std::vector<torch::Tensor> metrics = archive.tensors("metrics");
-  if (metrics.size() != 1) fail("{}: the metrics are missing", run_.checkpoint.string());
+  const bool has_metrics = metrics.size() == 1 && metrics[0].dim() == 2 &&
+                           metrics[0].size(1) > static_cast<int64_t>(kFixedColumns);
+  if (!has_metrics) fail("{}: the metrics are missing", run_.checkpoint.string());
   metrics_ = metrics_of(metrics.front());
   archive.copy_into("moments", optimiser_.moments());
   step_ = static_cast<std::int64_t>(archive.number("step"));

@@ -11,19 +11,18 @@
 
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/training/batch_loader.h"
-#include "knuckle/training/network_module.h"
 #include "knuckle/training/network_training.h"
 #include "knuckle/training/optimiser.h"
 #include "knuckle/training/sharded_network.h"
+#include "knuckle/training/training_task.h"
 
 namespace knuckle {
 
-/// One training, from its beginning or a checkpoint to its end: see `train_network`.
+/// One training, from its beginning or a checkpoint to its end: see `train`.
 class Trainer {
  public:
-  Trainer(const NetworkOptions& network, const NetworkTrainingOptions& options,
-          const AugmentationOptions& augmentation, const CubeSamples& training, const CubeSamples& validation,
-          const NetworkTrainingRun& run);
+  /// `task` has to live as long as this.
+  Trainer(const TrainingTask& task, const NetworkTrainingOptions& options, const NetworkTrainingRun& run);
 
   /// To the end, or to where it is told to stop. Returns the metrics of all validations.
   std::vector<TrainingMetrics> train();
@@ -51,16 +50,13 @@ class Trainer {
   /// What must be the same for a training to go on.
   std::string identity() const;
 
-  NetworkOptions network_options_;
+  const TrainingTask& task_;
   NetworkTrainingOptions options_;
-  AugmentationOptions augmentation_;
-  const CubeSamples& training_;
-  const CubeSamples& validation_;
   NetworkTrainingRun run_;
   torch::Device device_;
   std::int64_t step_count_;
   ShardedNetwork network_;
-  std::shared_ptr<NetworkModule> averaged_;
+  std::shared_ptr<TrainableModule> averaged_;
   Optimiser optimiser_;
   std::int64_t step_ = 0;
   std::vector<TrainingMetrics> metrics_;

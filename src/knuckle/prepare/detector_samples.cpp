@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/prepare/detector_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/segment/camera_cache.h"
+
+namespace knuckle {
+namespace {
+
+constexpr double kLeastExtentMm = 20.0;  // of a truth of few landmarks
+
+/// Centre and extent of the landmarks that are known; nothing where none is, or lies behind the camera.
+std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& projection) {
+  std::vector<Point3> points;
+  Point3 sum = Point3::Zero();
+  for (const ImagePoint& joint : pose.joints) {
+    if (joint.is_missing()) continue;
+    points.push_back(projection.to_camera(joint));
+    sum += points.back();
+  }
+  if (points.empty()) return std::nullopt;
+  LabelledHand hand;
+  hand.centre = sum / static_cast<double>(points.size());
+  if (!hand.centre.allFinite() || hand.centre.z() <= 0.0) return std::nullopt;
+  hand.extent_mm = kLeastExtentMm;
+  for (const Point3& point : points) hand.extent_mm = std::max(hand.extent_mm, (point - hand.centre).norm());
+  return hand;
+}
+
+}  // namespace
+
+std::vector<LabelledHand> labelled_hands(const Frame& frame) {
+  if (!frame.truth) return {};
+  std::optional<LabelledHand> hand = hand_of(*frame.truth, Projection(frame.camera));
+  if (!hand) return {};
+  hand->side = frame.side;
+  return {*hand};
+}
+
+DetectorSamples::DetectorSamples(const DetectorOptions& options, std::int64_t count)
+    : options_(options),
+      count_(count),
+      codes_(cells() * static_cast<std::size_t>(count)),
+      measured_(codes_.size()),
+      hands_(static_cast<std::size_t>(count) * std::tuple_size_v<LabelledHands>) {}
+
+std::int64_t DetectorSamples::bytes(std::int64_t count, const DetectorOptions& options) {
+  const std::int64_t cells = std::int64_t{options.width} * options.height;
+  return count * (3 * cells + static_cast<std::int64_t>(sizeof(LabelledHands)));
+}
+
+void DetectorSamples::set(std::int64_t index, const DetectorInput& input, const LabelledHands& hands) {
+  const std::size_t first = static_cast<std::size_t>(index) * cells();
+  const float* const inverse = input.inverse_depth.data();
+  const float* const shares = input.measured_share.data();
+  for (std::size_t i = 0; i < cells(); ++i) {
+    codes_[first + i] = static_cast<std::uint16_t>(std::lround(inverse[i] * kCodesPerUnit));
+    measured_[first + i] = static_cast<std::uint8_t>(std::lround(shares[i] * kPlaces));
+  }
+  std::ranges::copy(hands, hands_.begin() + index * std::ssize(hands));
+}
+
+DetectorSample DetectorSamples::sample(std::int64_t index) const {
+  const auto i = static_cast<std::size_t>(index);
+  constexpr std::size_t kNumbers = std::tuple_size_v<LabelledHands>;
+  return {std::span(codes_).subspan(i * cells(), cells()), std::span(measured_).subspan(i * cells(), cells()),
+          std::span(hands_).subspan(i * kNumbers, kNumbers)};
+}
+
+LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const DetectorView& view) {
+  LabelledHands numbers;
+  numbers.fill(static_cast<float>(kNaN));
+  const std::size_t count = std::min(hands.size(), kMostLabelledHands);
+  for (std::size_t i = 0; i < count; ++i) {
+    const ViewPlace place = view.to_view(hands[i].centre);
+    float* const to = numbers.data() + i * kHandNumbers;
+    to[kHandU] = static_cast<float>(place.u);
+    to[kHandV] = static_cast<float>(place.v);
+    to[kHandInverseDepth] = static_cast<float>(std::log(place.inverse_depth));
+    to[kHandExtent] = static_cast<float>(std::log(hands[i].extent_mm / kExtentUnitMm));
+    if (hands[i].side) to[kHandSide] = *hands[i].side == HandSide::right ? 1.0f : 0.0f;
+    to[kHandCounts] = hands[i].counts ? 1.0f : 0.0f;
+  }
+  return numbers;
+}
+
+DetectorSamples detector_samples(const std::string& source_name, const DetectorOptions& options,
+                                 std::int64_t most) {
+  const auto source = open_source(source_name);
+  if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
+  const std::int64_t count = most > 0 ? std::min(most, source->size()) : source->size();
+  DetectorSamples samples(options, count);
+  CameraCache<DetectorView> views(
+      [&](const Camera& camera) { return std::make_shared<const DetectorView>(options, camera); });
+  Progress progress("samples", "frames", count);
+  parallel_for(count, [&](std::int64_t i) {
+    const Frame frame = source->read(i * source->size() / count);
+    const std::shared_ptr<const DetectorView> view = views.of(frame.camera);
+    samples.set(i, view->shrink(frame.depth_mm), hand_numbers(labelled_hands(frame), *view));
+    progress.advance();
+  });
+  return samples;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/frame.h"
+#include "knuckle/segment/detector/detector_view.h"
+
+namespace knuckle {
+
+/// A hand of a frame, as a detector learns it.
+struct LabelledHand {
+  Point3 centre = Point3::Zero();  ///< the mean of its known landmarks, in camera coordinates [mm]
+  double extent_mm = 0.0;          ///< from there to the farthest one
+  std::optional<HandSide> side;    ///< nothing: not known
+  bool counts = true;              ///< false: too little of it is seen to ask for it, or to call it wrong
+};
+
+/// The hands of a frame that are known: those of `Frame::truth` with `Frame::side`.
+std::vector<LabelledHand> labelled_hands(const Frame& frame);
+
+/// Numbers that a hand is learned from. All are of the network's small picture.
+enum HandNumber : std::size_t {
+  kHandU,             ///< of the centre [cells]
+  kHandV,             ///< the same down the picture
+  kHandInverseDepth,  ///< logarithm of the centre's inverse depth [1/m]
+  kHandExtent,        ///< logarithm of the extent over kExtentUnitMm
+  kHandSide,          ///< 1 right, 0 left, NaN not known
+  kHandCounts,        ///< 1, or 0 where it neither has to be found nor is wrong; NaN: there is no such hand
+  kHandNumbers
+};
+inline constexpr std::size_t kMostLabelledHands = 4;  ///< of a frame; what is more is not learned
+using LabelledHands = std::array<float, kMostLabelledHands * kHandNumbers>;
+
+/// One sample: a frame, small, and its hands.
+struct DetectorSample {
+  std::span<const std::uint16_t> codes;    ///< height x width, see `inverse_depth_of_code`
+  std::span<const std::uint8_t> measured;  ///< of the nine places of each cell
+  std::span<const float> hands;            ///< kMostLabelledHands x kHandNumbers
+};
+
+/// Samples in memory, three bytes per cell: 37 kB for 128 x 96.
+class DetectorSamples {
+ public:
+  DetectorSamples(const DetectorOptions& options, std::int64_t count);
+
+  const DetectorOptions& options() const { return options_; }
+  std::int64_t size() const { return count_; }
+  /// Memory of so many samples [bytes].
+  static std::int64_t bytes(std::int64_t count, const DetectorOptions& options);
+
+  /// Sets sample `index`; safe to call from many threads for different ones.
+  void set(std::int64_t index, const DetectorInput& input, const LabelledHands& hands);
+  DetectorSample sample(std::int64_t index) const;  ///< index in [0, size)
+
+  static float inverse_depth_of_code(std::uint16_t code) { return static_cast<float>(code) / kCodesPerUnit; }
+  static float share_of(std::uint8_t measured) { return static_cast<float>(measured) / kPlaces; }
+
+ private:
+  static constexpr float kCodesPerUnit = 6500.0f;  // a step is 0.15 mm at 1 m
+  static constexpr float kPlaces = 9.0f;
+
+  std::size_t cells() const { return static_cast<std::size_t>(options_.width) * options_.height; }
+
+  DetectorOptions options_;
+  std::int64_t count_;
+  std::vector<std::uint16_t> codes_;
+  std::vector<std::uint8_t> measured_;
+  std::vector<float> hands_;
+};
+
+/// The numbers of a frame's hands in a view of its camera.
+LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const DetectorView& view);
+
+/// Shrinks frames of a source, `most` of them at most, evenly spread; 0: all. On all threads. Frames without
+/// a hand are samples too. Throws an Error where the source has no truth.
+DetectorSamples detector_samples(const std::string& source, const DetectorOptions& options,
+                                 std::int64_t most);
+
+}  // namespace knuckle

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/detector/detector_segmenter.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/segment/detector/detector_testing.h"
+#include "knuckle/segment/hand_region.h"
+#include "knuckle/segment/segmenter_factory.h"
+#include "knuckle/segment/testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::blank_frame;
+using testing::constant_detector;
+using testing::draw_ball;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::quarter_vga_camera;
+using testing::small_detector;
+
+const DetectedHand kSeen{.centre = Point3(-40, 30, 520),
+                         .extent_mm = 70.0,
+                         .score = 0.9,
+                         .side = HandSide::left,
+                         .side_confidence = 0.8};
+
+class DetectorSegmenterTest : public ::testing::Test {
+ protected:
+  DetectorSegmenterTest() { draw_ball(frame_, kSeen.centre, 50); }
+
+  DetectorSegmenter segmenter(const DetectorSegmenterOptions& options = {}) const {
+    return {constant_detector(small_detector(), frame_.camera, kSeen), options};
+  }
+
+  Frame frame_ = blank_frame(quarter_vga_camera());
+};
+
+TEST_F(DetectorSegmenterTest, AHandIsWhatLiesInTheBallAroundItsCentre) {
+  draw_ball(frame_, Point3(150, 30, 300), 50);  // nearer, and no hand
+  const Segmentation found = segmenter().segment(frame_, std::nullopt, 4);
+  ASSERT_EQ(found.hands.size(), 1u);
+  const HandRegion& hand = found.hands[0];
+  EXPECT_LT((hand.centre - kSeen.centre).norm(), 1.5) << "but for half precision";
+  EXPECT_NEAR(hand.score, 0.9, 0.002);
+  EXPECT_EQ(hand.side, HandSide::left);
+  const RayTable rays(frame_.camera);
+  for (int row = 0; row < 240; ++row) {
+    for (int column = 0; column < 320; ++column) {
+      const float depth = frame_.depth_mm(column, row);
+      if (!is_measured(depth)) continue;
+      const Point3 point(rays.x(column, row, depth), rays.y(column, row, depth), depth);
+      const double distance = (point - hand.centre).norm();
+      if (std::abs(distance - 95.0) < 0.2) continue;
+      const bool is_hand = hand.box.contains(column, row) && hand.mask(column - hand.box.x, row - hand.box.y);
+      EXPECT_EQ(is_hand, distance < 95.0);
+    }
+  }
+}
+
+TEST_F(DetectorSegmenterTest, ARegionInAMirrorHasTheOtherSide) {
+  const DetectorSegmenter there = segmenter();
+  HandRegion hand = there.segment(frame_, std::nullopt, 1).hands.at(0);
+  hand = mirrored(hand, 320);
+  EXPECT_EQ(hand.side, HandSide::right);
+  EXPECT_EQ(mirrored(hand, 320).side, HandSide::left);
+}
+
+TEST_F(DetectorSegmenterTest, AStartIsTrusted) {
+  const DetectorSegmenter there = segmenter();
+  const Segmentation near = there.segment(frame_, Point3(-40, 70, 540), 1);
+  ASSERT_EQ(near.hands.size(), 1u);
+  EXPECT_LT((near.hands[0].centre - kSeen.centre).norm(), 1.5) << "the hand that was meant";
+
+  const Point3 other(150, 30, 300);
+  draw_ball(frame_, other, 50);
+  const Segmentation elsewhere = there.segment(frame_, other, 1);
+  ASSERT_EQ(elsewhere.hands.size(), 1u);
+  EXPECT_EQ(elsewhere.hands[0].centre, other);
+  EXPECT_FALSE(elsewhere.hands[0].side.has_value()) << "the detector sees no hand there";
+  EXPECT_GT(elsewhere.hands[0].score, 0.0);
+  const Segmentation both = there.segment(frame_, other, 2);
+  ASSERT_EQ(both.hands.size(), 2u);
+  EXPECT_GT(both.hands[0].score, both.hands[1].score) << "surest first";
+
+  const Segmentation lost = there.segment(frame_, Point3(0, 0, 3000), 2);
+  EXPECT_TRUE(lost.hands.empty());
+  EXPECT_EQ(lost.reason, "no measurement near the start");
+}
+
+TEST_F(DetectorSegmenterTest, WhatIsNotSureIsNotFound) {
+  DetectorSegmenterOptions options;
+  options.detection.min_score = 0.95;
+  const Segmentation found = segmenter(options).segment(frame_, std::nullopt, 1);
+  EXPECT_TRUE(found.hands.empty());
+  EXPECT_EQ(found.reason, "the detector sees no hand in the frame");
+}
+
+TEST_F(DetectorSegmenterTest, AHandHasASurface) {
+  Frame blank = blank_frame(quarter_vga_camera());
+  EXPECT_EQ(segmenter().segment(blank, std::nullopt, 1).reason, "no surface was measured in the frame");
+  draw_ball(blank, kSeen.centre, 12);
+  EXPECT_THAT(segmenter().segment(blank, std::nullopt, 1).reason, HasSubstr("a hand at least 1500"));
+  EXPECT_FALSE(segmenter().segment(Frame{}, std::nullopt, 1).reason.empty());
+}
+
+TEST_F(DetectorSegmenterTest, RefusesWhatOthersRefuse) {
+  EXPECT_THAT(error_of([&] { (void)segmenter().segment(frame_, std::nullopt, 17); }), HasSubstr("max_hands"));
+  EXPECT_THAT(error_of([&] { (void)segmenter().segment(frame_, Point3(0, kNaN, 1), 1); }),
+              HasSubstr("finite"));
+  frame_.camera.width = 321;
+  EXPECT_THAT(error_of([&] { (void)segmenter().segment(frame_, std::nullopt, 1); }), HasSubstr("321"));
+}
+
+TEST_F(DetectorSegmenterTest, IsMadeFromItsFile) {
+  const testing::TemporaryFolder folder;
+  save_detector_weights(folder / "hands.pt", constant_detector(small_detector(), frame_.camera, kSeen));
+  const std::string table = "method = \"detector\"\nmodel = \"" + (folder / "hands.pt").string() + "\"\n";
+  const auto made = create_segmenter(OptionTable::parse(table + "min_score = 0.2", "a.toml"));
+  EXPECT_EQ(made->segment(frame_, std::nullopt, 1).hands.size(), 1u);
+  EXPECT_THAT(error_of([&] { create_segmenter(OptionTable::parse(table + "min_scor = 1", "a.toml")); }),
+              HasSubstr("min_scor"));
+  EXPECT_THAT(error_of([] { create_segmenter(OptionTable::parse("method = \"detector\"", "a.toml")); }),
+              HasSubstr("model"));
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/detector/hand_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+namespace {
+
+void write_input(const DetectorInput& input, FeatureMap& map) {
+  for (int row = 0; row < map.height(); ++row) {
+    const float* const inverse_depths = input.inverse_depth.row(row).data();
+    const float* const shares = input.measured_share.row(row).data();
+    float* const to = map.pixel(row, 0);
+    for (int column = 0; column < map.width(); ++column) {
+      to[kDetectorInputs * column] = inverse_depths[column];
+      to[kDetectorInputs * column + 1] = shares[column];
+    }
+  }
+}
+
+DetectorMaps maps_in(const FeatureMap& map) {
+  DetectorMaps maps{map.width(), map.height(), {}};
+  maps.values.reserve(static_cast<std::size_t>(map.width()) * map.height() * kDetectorMaps);
+  for (int row = 0; row < map.height(); ++row) {
+    for (int column = 0; column < map.width(); ++column) {
+      const float* const from = map.pixel(row, column);
+      maps.values.insert(maps.values.end(), from, from + kDetectorMaps);
+    }
+  }
+  return maps;
+}
+
+}  // namespace
+
+HandDetector::HandDetector(const DetectorWeights& weights)
+    : options_(weights.options()),
+      network_(options_.shape(), weights),
+      pool_([options = options_] {
+        return EncoderDecoder::Maps(options.shape(), {options.height, options.width});
+      }),
+      views_([options = options_](const Camera& camera) {
+        return std::make_shared<const DetectorView>(options, camera);
+      }) {}
+
+DetectorMaps HandDetector::maps_of(const DetectorInput& input) const {
+  DetectorMaps maps = pool_.with_workspace([&](EncoderDecoder::Maps& work) {
+    write_input(input, work.input);
+    network_.apply(work);
+    return maps_in(work.maps);
+  });
+  if (!std::ranges::all_of(maps.values, [](float value) { return std::isfinite(value); })) {
+    fail("detector: a number that its network gives is not finite");
+  }
+  return maps;
+}
+
+std::vector<DetectedHand> HandDetector::detect(const Frame& frame, const DetectionOptions& options) const {
+  const std::shared_ptr<const DetectorView> view = views_.of(frame.camera);
+  return hands_in(maps_of(view->shrink(frame.depth_mm)), *view, options);
+}
+
+}  // namespace knuckle

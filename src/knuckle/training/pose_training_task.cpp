@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/pose_training_task.h"
+
+#include "knuckle/core/error.h"
+#include "knuckle/net/network_file.h"
+#include "knuckle/training/network_module.h"
+#include "knuckle/training/network_validation.h"
+#include "knuckle/training/network_writer.h"
+
+namespace knuckle {
+
+PoseTrainingTask::PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
+                                   const CubeSamples& training, const CubeSamples& validation)
+    : options_(network),
+      augmentation_(augmentation),
+      views_(std::make_shared<const CubeSampleViews>(training, augmentation)),
+      validation_(validation) {}
+
+std::shared_ptr<TrainableModule> PoseTrainingTask::make_module(std::uint64_t seed) const {
+  return make_network(options_, seed);
+}
+
+std::vector<double> PoseTrainingTask::validate(TrainableModule& network, const torch::Device& device) const {
+  return validation_errors(dynamic_cast<NetworkModule&>(network), validation_, device);
+}
+
+void PoseTrainingTask::save(const std::filesystem::path& path, const TrainableModule& network) const {
+  save_network(path, options_, dynamic_cast<const NetworkModule&>(network));
+}
+
+void PoseTrainingTask::load(const std::filesystem::path& path, TrainableModule& network) const {
+  const NetworkWeights weights = load_network_weights(path);
+  if (network_options_as_toml(weights.options()) != network_options_as_toml(options_)) {
+    fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
+         path.string());
+  }
+  set_weights(network, weights);
+}
+
+std::string PoseTrainingTask::identity(const std::string& training) const {
+  return network_options_as_toml(options_) + "[training]\n" + training + "[augmentation]\n" +
+         options_as_toml(augmentation_);
+}
+
+}  // namespace knuckle

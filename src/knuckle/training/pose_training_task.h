@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to the module: this header shows LibTorch.
+#pragma once
+
+#include "knuckle/net/network_options.h"
+#include "knuckle/training/training_task.h"
+
+namespace knuckle {
+
+/// The training of a network that infers poses from patches.
+class PoseTrainingTask final : public TrainingTask {
+ public:
+  /// Both sets of samples have to live as long as this.
+  PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
+                   const CubeSamples& training, const CubeSamples& validation);
+
+  std::shared_ptr<TrainableModule> make_module(std::uint64_t seed) const override;
+  std::shared_ptr<const SampleViews> views() const override { return views_; }
+  std::vector<double> validate(TrainableModule& network, const torch::Device& device) const override;
+  void save(const std::filesystem::path& path, const TrainableModule& network) const override;
+  void load(const std::filesystem::path& path, TrainableModule& network) const override;
+  std::string identity(const std::string& training) const override;
+
+ private:
+  NetworkOptions options_;
+  AugmentationOptions augmentation_;
+  std::shared_ptr<const CubeSampleViews> views_;
+  const CubeSamples& validation_;
+};
+
+}  // namespace knuckle
