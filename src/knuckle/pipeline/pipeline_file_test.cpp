@@ -14,9 +14,7 @@ using ::testing::HasSubstr;
 
 class PipelineFile : public ::testing::Test {
  protected:
-  PipelineFile() {
-    save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 1));
-  }
+  PipelineFile() { save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 1)); }
 
   Pipeline load(const std::string& toml) const {
     write_text_file(folder_ / "p.toml", toml + "[estimator]\nmethod = 'dense'\nmodel = 'small.pt'\n");
