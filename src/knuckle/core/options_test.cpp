@@ -94,6 +94,7 @@ TEST(OptionsTest, AValueOutOfRangeIsNamedWithItsBounds) {
   EXPECT_THAT(fault("seed = -1"), HasSubstr("expected at least 0"));
   EXPECT_THAT(fault("side = 'up'"), HasSubstr("is \"up\", expected one of \"left\", \"right\""));
   EXPECT_THAT(fault("range_mm = [1]"), HasSubstr("holds 1 numbers, expected 2"));
+  EXPECT_THAT(fault("range_mm = [1, 2, 3]"), HasSubstr("holds 3 numbers, expected 2"));
   EXPECT_THAT(fault("range_mm = [1, -1]"), HasSubstr("is -1"));
   EXPECT_THAT(fault("sides = ['up']"), HasSubstr("is \"up\""));
 }

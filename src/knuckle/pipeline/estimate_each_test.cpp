@@ -125,6 +125,22 @@ TEST_F(EstimateEachTest, AllResultsAreInTheOrderOfTheFrames) {
     EXPECT_EQ(frames[i].hands.at(0).region.centre.z(), 400.0 + static_cast<double>(i % 64)) << i;
 }
 
+TEST_F(EstimateEachTest, OnePipelineAndOneSourceServeManyRunsAtOnce) {
+  const CountedSource source(60);
+  std::vector<std::int64_t> taken(4, 0);
+  {
+    std::vector<std::jthread> threads;
+    for (std::int64_t& own : taken) {
+      threads.emplace_back([&] {
+        SourceStream stream(source);
+        estimate_each(stream, pipeline_, {},
+                      [&](const FrameResult& result) { expect_is_frame(result, own++); });
+      });
+    }
+  }
+  EXPECT_EQ(taken, std::vector<std::int64_t>(4, 60));
+}
+
 TEST_F(EstimateEachTest, FramesThatCannotBeReadAreResultsWithAFault) {
   const CountedSource source(100, {0, 50, 51, 99});
   SourceStream stream(source);

@@ -28,5 +28,17 @@ TEST(SummaryOfEstimates, HoldsTheConfidencesOfEachHand) {
   EXPECT_EQ(summary["frames_without_hand"], nlohmann::json::parse(R"([{"frame": 2, "reason": "no hand"}])"));
 }
 
+TEST(SummaryOfEstimates, HoldsTheMedianOfEachStage) {
+  std::vector<FrameEstimate> frames(3);
+  for (FrameEstimate& frame : frames) frame.times = {1.0, 2.0, 4.0, 8.0};
+  const nlohmann::json summary = nlohmann::json::parse(summary_json(frames, "folder:x", {"two", {}}));
+  const nlohmann::json& medians = summary["median_ms"];
+  EXPECT_NEAR(medians["segment"].get<double>(), 1.0, 0.002);
+  EXPECT_NEAR(medians["patch"].get<double>(), 2.0, 0.004);
+  EXPECT_NEAR(medians["estimate"].get<double>(), 4.0, 0.008);
+  EXPECT_NEAR(medians["refine"].get<double>(), 8.0, 0.016);
+  EXPECT_NEAR(medians["total"].get<double>(), 15.0, 0.03);
+}
+
 }  // namespace
 }  // namespace knuckle

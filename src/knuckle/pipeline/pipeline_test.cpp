@@ -313,6 +313,14 @@ TEST(PipelineFromParts, LooksAtTheStartItselfWhereSegmentationLeftItForWhatIsNot
   EXPECT_NEAR(score_from(4.0), 0.4, 1e-6);   // at column 7; 0.1 at the start
 }
 
+TEST(PipelineFromParts, KeepsWhatIsSureEvenIfTheStartWereSurer) {
+  const Pipeline pipeline({HandFinder(std::make_unique<StrayingSegmenter>(), {.sure_confidence = 0.3}),
+                           std::make_unique<CubeEstimator>()});
+  const Point3 at_column_8((8.0 - 19.5) * 500.0 / 30.0, 0.0, 500.0);
+  const FrameEstimate found = pipeline.estimate(plate(), {.start = at_column_8});
+  EXPECT_NEAR(found.hands.at(0).score, 0.4, 1e-6);  // at column 11, where segmentation led to
+}
+
 TEST(PipelineFromParts, IsSureOfAStartWhoseScoreIsHigh) {
   const Pipeline pipeline = column_pipeline({6, 8}, std::make_unique<ColumnEstimator>());
   const FrameEstimate found = pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 500.0)});

@@ -51,6 +51,8 @@ TEST(RunWarnings, TellHandsThatAreTooNearOrTooFar) {
   RunWarnings far;
   far.add(frame_at(500.0f), hand_at(4980.0));
   EXPECT_THAT(far.messages(), ElementsAre(AllOf(HasSubstr("1 of 1 frames"), HasSubstr("4.98 m"))));
+  far.add(frame_at(500.0f), hand_at(500.0));
+  EXPECT_THAT(far.messages(), IsEmpty());  // not in most frames
 }
 
 TEST(RunWarnings, TellAWrongUnitAlsoWhereItHidesAllHands) {

@@ -97,6 +97,22 @@ TEST(H5, SidesHaveTheCodesOfTheFormat) {
   EXPECT_EQ(file.read<std::int8_t>("side").values, (std::vector<std::int8_t>{-1, 1, 0, -1, 1, 0}));
 }
 
+TEST(H5, HoldsOrthographicCamerasAndOtherUnitsOfDepth) {
+  const testing::TemporaryFolder folder;
+  Frame frame = noisy_frame(0);
+  frame.camera.model = CameraModel::orthographic;
+  frame.depth_mm(3, 2) = 500.25f;
+  FrameWriterOptions options = options_for(0, 1);
+  options.depth_unit_mm = 0.25;
+  H5Writer writer(folder / "a.h5", options);
+  writer.write(0, frame);
+  writer.finish();
+  const Frame read = H5Source(folder / "a.h5").read(0);
+  EXPECT_EQ(read.camera, frame.camera);
+  EXPECT_EQ(read.depth_mm(3, 2), 500.25f);
+  testing::expect_near(read.depth_mm, frame.depth_mm, 0.1251);
+}
+
 TEST(H5, KeepsWhatHasNoTimes) {
   const testing::TemporaryFolder folder;
   Frame frame = noisy_frame(0);
