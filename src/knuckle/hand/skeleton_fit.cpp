@@ -202,8 +202,8 @@ Vector damped_step(const Linearised& at, double damping) {
 }
 
 SkeletonFit descended(const HandSkeleton& skeleton, const Energy& energy, const SkeletonFitOptions& options,
-                      SkeletonPose pose) {
-  SkeletonFit fit{pose, 0.0, energy.at(pose), 0};
+                      const SkeletonPose& first) {
+  SkeletonFit fit{first, 0.0, energy.at(first), 0};
   double damping = kFirstDamping;
   while (fit.steps < options.most_steps) {
     Linearised at = energy.linearised(fit.pose);

@@ -50,8 +50,8 @@ TEST(SkeletonFit, LandmarksAreThoseOfTheScaledSkeleton) {
 TEST(SkeletonFit, FindsTheAnglesThatMadeTheLandmarks) {
   Random random(2);
   int found = 0;
-  constexpr int kTrials = 60;
-  for (int trial = 0; trial < kTrials; ++trial) {
+  constexpr int kManyTrials = 60;
+  for (int trial = 0; trial < kManyTrials; ++trial) {
     const SkeletonPose truth = some_pose(random, random.uniform(0.85, 1.15));
     const Points points = landmarks(adult_skeleton(), truth);
     const auto fit = fit_skeleton(adult_skeleton(), targets_at(points), kExact);
@@ -64,7 +64,7 @@ TEST(SkeletonFit, FindsTheAnglesThatMadeTheLandmarks) {
     EXPECT_NEAR(fit->pose.angles[HandAngle::index_pip], truth.angles[HandAngle::index_pip], 0.02);
     EXPECT_NEAR(fit->pose.angles[HandAngle::little_mcp], truth.angles[HandAngle::little_mcp], 0.05);
   }
-  EXPECT_GE(found, kTrials * 9 / 10) << "of angles anywhere within the limits, also crooked ones";
+  EXPECT_GE(found, kManyTrials * 9 / 10) << "of angles anywhere within the limits, also crooked ones";
 }
 
 TEST(SkeletonFit, TheEnergyIsLowestWhereItEnds) {

@@ -49,7 +49,7 @@ Vector3f turned_aside(const Vector3f& direction, double deviation_deg, Random& r
 /// Which way is up for a hand that lies on its palm, its little finger's side, or its back.
 Vector3f sampled_side(const SceneActors& actors, Random& random) {
   const Eigen::Matrix3f axes = hand_axes(actors.landmarks).cast<float>();
-  const Vector3f to_camera = -actors.palm().normalized().cast<float>();
+  Vector3f to_camera = -actors.palm().normalized().cast<float>();
   constexpr float kGrazing = 0.2f;
   const std::array<Vector3f, 3> sides = {-axes.col(2), axes.col(0), axes.col(2)};
   const double draw = random.uniform();
