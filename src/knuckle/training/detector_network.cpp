@@ -123,7 +123,7 @@ torch::Tensor DetectorNetwork::forward(const torch::Tensor& inputs) {
 torch::Tensor DetectorNetwork::loss(const torch::Tensor& output, const torch::Tensor& /*inputs*/,
                                     const torch::Tensor& targets) {
   const MapTargets maps = map_targets(targets, output, options_.focal_cells);
-  const auto said = [&](DetectorMap map) { return output.select(1, map); };
+  const auto said = [&](int map) { return output.select(1, map); };
   const auto inverse_depth = number(maps.hands, kHandInverseDepth);
   const auto extent = number(maps.hands, kHandExtent);
   return heat_loss(said(kHeatMap), maps) +

@@ -33,16 +33,15 @@ void check(const DetectorOptions& options, std::string_view what);
 
 inline constexpr int kDetectorInputs = 2;  ///< inverse depth, and how much of the cell was measured
 
-/// Channels of the maps that come out. All are of the hand whose centre lies in (or near) the cell.
-enum DetectorMap : int {
-  kHeatMap,          ///< logit: is there a hand's centre?
-  kOffsetUMap,       ///< from the cell's centre to the hand's [cells of the maps]
-  kOffsetVMap,       ///< the same down the picture
-  kInverseDepthMap,  ///< logarithm of the centre's inverse depth [1/m], as the view has it
-  kExtentMap,        ///< logarithm of the hand's extent over kExtentUnitMm
-  kSideMap,          ///< logit: is it a right hand?
-  kDetectorMaps
-};
+// Channels of the maps that come out. All are of the hand whose centre lies in (or near) the cell.
+inline constexpr int kHeatMap = 0;     ///< logit: is there a hand's centre?
+inline constexpr int kOffsetUMap = 1;  ///< from the cell's centre to the hand's [cells of the maps]
+inline constexpr int kOffsetVMap = 2;  ///< the same down the picture
+inline constexpr int kInverseDepthMap =
+    3;                                ///< logarithm of the centre's inverse depth [1/m], as the view has it
+inline constexpr int kExtentMap = 4;  ///< logarithm of the hand's extent over kExtentUnitMm
+inline constexpr int kSideMap = 5;    ///< logit: is it a right hand?
+inline constexpr int kDetectorMaps = 6;
 
 inline constexpr double kExtentUnitMm = 100.0;
 

@@ -33,7 +33,7 @@ inline DetectorWeights constant_detector(const DetectorOptions& options, const C
   const auto in_maps = [](double cell) { return (cell - 0.5 * (kMapStride - 1)) / kMapStride; };
   const auto logit = [](double share) { return std::log(share / (1.0 - share)); };
   const auto bias = weights.halves("head.bias");
-  const auto set = [&](DetectorMap map, double value) {
+  const auto set = [&](int map, double value) {
     bias[static_cast<std::size_t>(map)] = half_of_float(static_cast<float>(value));
   };
   set(kHeatMap, logit(hand.score));
