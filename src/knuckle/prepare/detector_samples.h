@@ -24,16 +24,15 @@ struct LabelledHand {
 /// The hands of a frame that are known: those of `Frame::truth` with `Frame::side`.
 std::vector<LabelledHand> labelled_hands(const Frame& frame);
 
-/// Numbers that a hand is learned from. All are of the network's small picture.
-enum HandNumber : std::size_t {
-  kHandU,             ///< of the centre [cells]
-  kHandV,             ///< the same down the picture
-  kHandInverseDepth,  ///< logarithm of the centre's inverse depth [1/m]
-  kHandExtent,        ///< logarithm of the extent over kExtentUnitMm
-  kHandSide,          ///< 1 right, 0 left, NaN not known
-  kHandCounts,        ///< 1, or 0 where it neither has to be found nor is wrong; NaN: there is no such hand
-  kHandNumbers
-};
+// Numbers that a hand is learned from. All are of the network's small picture.
+inline constexpr std::size_t kHandU = 0;             ///< of the centre [cells]
+inline constexpr std::size_t kHandV = 1;             ///< the same down the picture
+inline constexpr std::size_t kHandInverseDepth = 2;  ///< logarithm of the centre's inverse depth [1/m]
+inline constexpr std::size_t kHandExtent = 3;        ///< logarithm of the extent over kExtentUnitMm
+inline constexpr std::size_t kHandSide = 4;          ///< 1 right, 0 left, NaN not known
+/// 1, or 0 where the hand neither has to be found nor is wrong; NaN: there is no such hand.
+inline constexpr std::size_t kHandCounts = 5;
+inline constexpr std::size_t kHandNumbers = 6;
 inline constexpr std::size_t kMostLabelledHands = 4;  ///< of a frame; what is more is not learned
 using LabelledHands = std::array<float, kMostLabelledHands * kHandNumbers>;
 

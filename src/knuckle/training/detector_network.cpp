@@ -35,7 +35,7 @@ struct MapTargets {
   torch::Tensor offset_u, offset_v;
 };
 
-torch::Tensor number(const torch::Tensor& hands, HandNumber which) {
+torch::Tensor number(const torch::Tensor& hands, std::size_t which) {
   return hands.select(-1, static_cast<int64_t>(which));
 }
 

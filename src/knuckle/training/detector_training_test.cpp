@@ -90,7 +90,9 @@ TEST(DetectorLoss, IsLeastWhereTheMapsSayTheTruth) {
   output.select(1, kHeatMap).fill_(-8.0);
   const double silent = network->loss(output, {}, targets).item<double>();
   for (const int hand : {0, 1}) {
-    const auto number = [&](HandNumber which) { return targets[0][hand][which].item<double>(); };
+    const auto number = [&](std::size_t which) {
+      return targets[0][hand][static_cast<std::int64_t>(which)].item<double>();
+    };
     const double u = (number(kHandU) - 1.5) / 4.0;
     const double v = (number(kHandV) - 1.5) / 4.0;
     for (int row = 0; row < 12; ++row) {
