@@ -23,7 +23,7 @@ DetectedHand hand_at_start(const Point3& start, std::vector<DetectedHand>& hands
   if (near == hands.end()) {
     return {.centre = start, .extent_mm = kHalfOpenExtentMm, .score = kScoreOfGivenStart};
   }
-  const DetectedHand hand = *near;
+  DetectedHand hand = *near;
   hands.erase(near);
   return hand;
 }

@@ -93,8 +93,9 @@ void DetectorView::choose_samples() {
   const Projection projection(camera_);
   samples_.reserve(static_cast<std::size_t>(kSamples) * options_.width * options_.height);
   for (int k = 0; k < kSamples; ++k) {
+    const int sample_row = k / kSamplesPerSide;
     const double du = (k % kSamplesPerSide - 1) / static_cast<double>(kSamplesPerSide);
-    const double dv = (k / kSamplesPerSide - 1) / static_cast<double>(kSamplesPerSide);
+    const double dv = (sample_row - 1) / static_cast<double>(kSamplesPerSide);
     for (int row = 0; row < options_.height; ++row) {
       for (int column = 0; column < options_.width; ++column) {
         const Point3 point(ray_x(column + du) * kMillimetresPerMetre, ray_y(row + dv) * kMillimetresPerMetre,
