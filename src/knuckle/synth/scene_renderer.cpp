@@ -327,7 +327,7 @@ struct SceneRenderer::Picture {
   std::vector<Rendering> parts;  ///< hand, second hand, person, things
   Rendering all;
   Image<std::uint8_t> labels;
-  double visible_share;  ///< of the hand
+  double visible_share = 0.0;  ///< of the hand
 };
 
 SceneRenderer::Picture SceneRenderer::picture_of(const Drawing& drawing, std::size_t end,
