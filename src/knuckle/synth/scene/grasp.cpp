@@ -77,11 +77,11 @@ void close_digit(const HandSkeleton& skeleton, Grasp& grasp, int digit) {
   constexpr int kSteps = 24;
   const std::vector<ClosingJoint> joints = closing_joints(digit);
   std::array<double, 3> step{};
-  for (std::size_t k = 0; k < joints.size(); ++k)
-    step[k] = (std::clamp(joints[k].end_deg * kDegree, range_of(joints[k].angle).low,
-                          range_of(joints[k].angle).high) -
-               grasp.hand[joints[k].angle]) /
-              kSteps;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const AngleRange range = range_of(joints[k].angle);
+    const double end = std::clamp(joints[k].end_deg * kDegree, range.low, range.high);
+    step[k] = (end - grasp.hand[joints[k].angle]) / kSteps;
+  }
   std::array<bool, 3> is_stopped{};
   for (int i = 0; i < kSteps; ++i) {
     for (std::size_t k = 0; k < joints.size(); ++k) {
