@@ -32,7 +32,7 @@ inline constexpr std::size_t kHandExtent = 3;        ///< logarithm of the exten
 inline constexpr std::size_t kHandSide = 4;          ///< 1 right, 0 left, NaN not known
 /// 1, or 0 where the hand neither has to be found nor is wrong; NaN: there is no such hand.
 inline constexpr std::size_t kHandCounts = 5;
-inline constexpr std::size_t kHandNumbers = 6;
+inline constexpr std::size_t kHandNumbers = 6;        ///< how many there are of a hand
 inline constexpr std::size_t kMostLabelledHands = 4;  ///< of a frame; what is more is not learned
 using LabelledHands = std::array<float, kMostLabelledHands * kHandNumbers>;
 

@@ -24,6 +24,7 @@ enum DetectorScore : std::size_t {
   kMistakes,  ///< hands missed, found that are none, and of the wrong side, per hand; the best has the least
   kDetectorScores
 };
+/// Their names as metrics.csv has them, in their order.
 inline constexpr std::array<std::string_view, kDetectorScores> kDetectorScoreNames{
     "recall_40mm", "false_positives_per_frame", "side_accuracy", "centre_mm", "mistakes_per_hand"};
 

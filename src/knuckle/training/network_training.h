@@ -43,6 +43,7 @@ enum PoseScore : std::size_t {
   kFirstLook,   ///< around the given centres
   kSecondLook,  ///< after a second look, around the mean of the joints found first; the best has the least
 };
+/// Their names as metrics.csv has them, in their order.
 inline constexpr std::array<std::string_view, 2> kPoseScoreNames{"first_mm", "second_mm"};
 
 /// One line of a training's metrics.

@@ -41,8 +41,9 @@ inline constexpr int kInverseDepthMap =
     3;                                ///< logarithm of the centre's inverse depth [1/m], as the view has it
 inline constexpr int kExtentMap = 4;  ///< logarithm of the hand's extent over kExtentUnitMm
 inline constexpr int kSideMap = 5;    ///< logit: is it a right hand?
-inline constexpr int kDetectorMaps = 6;
+inline constexpr int kDetectorMaps = 6;  ///< how many there are
 
+/// The extent whose logarithm is 0 [mm].
 inline constexpr double kExtentUnitMm = 100.0;
 
 }  // namespace knuckle

@@ -26,6 +26,7 @@ struct MotionPlace {
   std::int64_t sequence = 0;
   std::int64_t frame = 0;
 };
+/// Where frame `index`, from 0 on, lies among the sequences.
 MotionPlace place_in_motion(const MotionOptions& options, std::int64_t index);
 
 /// The posture of one frame: a function of its arguments alone. Without motion each index is a scene of its
