@@ -10,6 +10,7 @@
 #include <Eigen/SVD>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/portable_math.h"
 
 namespace knuckle {
 namespace {
@@ -141,7 +142,7 @@ class Energy {
       sum += away * away;
     }
     if (options_.size_spread > 0.0) {
-      const double away = std::log(pose.size) / options_.size_spread;
+      const double away = portable_log(pose.size) / options_.size_spread;
       sum += away * away;
     }
     return 0.5 * sum;
@@ -155,7 +156,7 @@ class Energy {
     }
     if (options_.size_spread == 0.0) return;
     const double of_size = 1.0 / (options_.size_spread * options_.size_spread);
-    result.gradient[kSizeColumn] += of_size * std::log(pose.size);
+    result.gradient[kSizeColumn] += of_size * portable_log(pose.size);
     result.curvature(kSizeColumn, kSizeColumn) += of_size;
   }
 
@@ -190,7 +191,7 @@ SkeletonPose stepped(const HandSkeleton& skeleton, const SkeletonPose& pose, con
   next.angles = clamped(next.angles, skeleton.limits);
   next.camera_from_hand =
       moved(pose.camera_from_hand, step.segment<3>(kTurnColumn), step.segment<3>(kShiftColumn));
-  next.size = pose.size * std::exp(std::clamp(step[kSizeColumn], -0.5, 0.5));
+  next.size = pose.size * portable_exp(std::clamp(step[kSizeColumn], -0.5, 0.5));
   return next;
 }
 
