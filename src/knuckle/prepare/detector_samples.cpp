@@ -15,7 +15,8 @@
 namespace knuckle {
 namespace {
 
-constexpr double kLeastExtentMm = 20.0;  // of a truth of few landmarks
+constexpr double kLeastExtentMm = 20.0;     // of a truth of few landmarks
+constexpr double kLeastVisibleShare = 0.2;  // of a hand that has to be found
 
 /// Centre and extent of the landmarks that are known; nothing where none is, or lies behind the camera.
 std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& projection) {
@@ -38,11 +39,21 @@ std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& proj
 }  // namespace
 
 std::vector<LabelledHand> labelled_hands(const Frame& frame) {
-  if (!frame.truth) return {};
-  std::optional<LabelledHand> hand = hand_of(*frame.truth, Projection(frame.camera));
-  if (!hand) return {};
+  const Projection projection(frame.camera);
+  std::vector<LabelledHand> labelled;
+  for (const HandTruth& truth : frame.hands) {
+    std::optional<LabelledHand> hand = hand_of(truth.pose, projection);
+    if (!hand) continue;
+    hand->side = truth.side;
+    hand->counts = truth.visible_share >= kLeastVisibleShare;
+    labelled.push_back(*hand);
+  }
+  if (!frame.hands.empty() || !frame.truth) return labelled;
+  std::optional<LabelledHand> hand = hand_of(*frame.truth, projection);
+  if (!hand) return labelled;
   hand->side = frame.side;
-  return {*hand};
+  labelled.push_back(*hand);
+  return labelled;
 }
 
 DetectorSamples::DetectorSamples(const DetectorOptions& options, std::int64_t count)

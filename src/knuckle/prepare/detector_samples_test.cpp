@@ -56,6 +56,19 @@ TEST(LabelledHands, CentreAndExtentAreThoseOfTheKnownLandmarks) {
   EXPECT_TRUE(labelled_hands(unknown).empty());
 }
 
+TEST(LabelledHands, AllHandsOfAFrameAreKnownAndTheHiddenDoNotCount) {
+  Frame frame = ball_frame({30, -20, 600}, HandSide::left);
+  const Frame other = ball_frame({-90, 10, 700}, HandSide::right);
+  frame.hands = {{HandSide::left, *frame.truth, {}, 0.9}, {HandSide::right, *other.truth, {}, 0.05}};
+  const std::vector<LabelledHand> hands = labelled_hands(frame);
+  ASSERT_EQ(hands.size(), 2u);
+  EXPECT_LT((hands[0].centre - Point3(30, -20, 600)).norm(), 1e-6);
+  EXPECT_LT((hands[1].centre - Point3(-90, 10, 700)).norm(), 1e-6);
+  EXPECT_EQ(hands[1].side, HandSide::right);
+  EXPECT_TRUE(hands[0].counts);
+  EXPECT_FALSE(hands[1].counts);
+}
+
 TEST(DetectorSamples, KeepWhatWasSeenWithinTheirSteps) {
   const Frame frame = ball_frame({30, -20, 600}, HandSide::right);
   const DetectorSamples samples = detector_samples_of({frame});

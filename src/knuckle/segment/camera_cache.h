@@ -23,20 +23,27 @@ class CameraCache {
 
   /// Throws an Error where the camera's values are impossible.
   std::shared_ptr<const Table> of(const Camera& camera) {
-    const std::lock_guard lock(mutex_);
-    const auto known = std::ranges::find(last_, camera, [](const auto& table) { return table->camera(); });
-    if (known != last_.end()) {
-      std::rotate(last_.begin(), known, known + 1);
-      return last_.front();
-    }
+    if (auto known = known_of(camera)) return known;
     check(camera);
-    last_.insert(last_.begin(), make_(camera));
+    // Outside of the lock: where every frame has a camera of its own, threads would wait for one another.
+    std::shared_ptr<const Table> made = make_(camera);
+    const std::lock_guard lock(mutex_);
+    last_.insert(last_.begin(), made);
     if (last_.size() > kKept) last_.pop_back();
-    return last_.front();
+    return made;
   }
 
  private:
   static constexpr std::size_t kKept = 4;
+
+  /// Empty where it is not kept.
+  std::shared_ptr<const Table> known_of(const Camera& camera) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find(last_, camera, [](const auto& table) { return table->camera(); });
+    if (known == last_.end()) return nullptr;
+    std::rotate(last_.begin(), known, known + 1);
+    return last_.front();
+  }
 
   Make make_;
   std::mutex mutex_;

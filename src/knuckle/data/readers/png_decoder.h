@@ -20,7 +20,7 @@ struct PngPixels {
 
 /// Decodes a PNG (ISO/IEC 15948:2004), its sums and sizes checked first; a file cannot make it take more
 /// memory than a thousand times its own size. Throws an Error of one line that starts with `origin` where the
-/// bytes are cut short, damaged, no PNG, or of an image larger than limits::kImageSide.
+/// bytes are cut short, damaged, not a PNG, or of an image larger than limits::kImageSide.
 PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin);
 
 }  // namespace knuckle

@@ -28,7 +28,7 @@ struct DetectorOptions {
   int map_height() const { return height / kMapStride; }
 };
 
-/// Throws an Error that starts with `what` where an option is out of range or a size no multiple of 16.
+/// Throws an Error that starts with `what` where an option is out of range or a size not a multiple of 16.
 void check(const DetectorOptions& options, std::string_view what);
 
 inline constexpr int kDetectorInputs = 2;  ///< inverse depth, and how much of the cell was measured
