@@ -24,6 +24,7 @@ struct EstimateArguments {
   std::filesystem::path out;
   std::filesystem::path records;
   std::filesystem::path json;
+  std::string landmarks;
   std::string init = "nearest";
   bool resume = false;
   bool keep_going = false;
@@ -36,6 +37,7 @@ RunIdentity identity_of(const EstimateArguments& arguments, const Pipeline& pipe
   return {{"version of knuckle", KNUCKLE_VERSION},
           {"source (its settings or files)", source_fingerprint(arguments.source, written)},
           {"pipeline (its options)", text_hash(pipeline.resolved_options())},
+          {"landmarks", arguments.landmarks.empty() ? "the model's" : content_hash(landmarks_file(arguments.landmarks))},
           {"model", text_hash(Inputs().add_models(arguments.pipeline).text())}};
 }
 
@@ -78,7 +80,8 @@ void run_estimate(const EstimateArguments& arguments) {
     if (!path.empty()) check_writable(path);
   }
   const auto source = open_source(arguments.source);
-  const Pipeline pipeline = Pipeline::load(arguments.pipeline);
+  Pipeline pipeline = Pipeline::load(arguments.pipeline);
+  if (!arguments.landmarks.empty()) pipeline.use_landmarks(load_landmarks(arguments.landmarks));
   warn_of_replacement(arguments);
   RunWarnings warnings;
   EstimateFiles files = files_of(arguments, pipeline);
@@ -114,6 +117,7 @@ void add_estimate(CLI::App& program) {
   verb.add_option("--json", arguments->json,
                   "Summary as JSON: confidences, frames without a hand, times of each stage")
       ->type_name("FILE");
+  add_landmarks_option(verb, arguments->landmarks, "Poses have the landmarks of this definition");
   add_init_option(verb, arguments->init);
   verb.add_flag("--resume", arguments->resume,
                 "Go on where a run with the same source and options was stopped, from its .partial files");

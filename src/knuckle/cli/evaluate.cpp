@@ -4,6 +4,7 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/data/boxes_file.h"
+#include "knuckle/data/defined_pose.h"
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/eval/pictures/gallery.h"
@@ -22,6 +23,7 @@ struct EvaluateArguments {
   std::string camera;
   std::filesystem::path out;
   std::filesystem::path json;
+  std::string landmarks;
   GalleryOptions gallery;
 
   void visit(OptionVisitor& visitor) {
@@ -30,6 +32,7 @@ struct EvaluateArguments {
     visitor.texts("boxes", boxes, {});
     visitor.text("convention", convention);
     visitor.text("camera", camera);
+    visitor.text("landmarks", landmarks);
   }
 };
 
@@ -58,6 +61,21 @@ std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, Pi
   std::vector<NamedPath> files;
   for (const std::string& text : arguments.predictions) files.push_back(named_path_from_text(text));
   return predictions_from_files(files, chosen_convention(arguments), origin);
+}
+
+/// Moves all predictions to where a definition says that the truth's landmarks lie.
+void move_landmarks(const std::string& landmarks, const Truth& truth, std::vector<Predictions>& predictions) {
+  const LandmarkDefinition definition = load_landmarks(landmarks);
+  for (Predictions& method : predictions) {
+    require_all_landmarks(method.sequence.convention, method.sequence.origin);
+    if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says
+    method.sequence.convention = definition.convention;
+    for (std::size_t i = 0; i < method.sequence.poses.size(); ++i) {
+      const auto frame = static_cast<std::int64_t>(i);
+      HandPose& pose = method.sequence.poses[i];
+      pose = defined_pose(definition, pose, truth.projection(frame), truth.side(frame));
+    }
+  }
 }
 
 void print_scores(const Evaluation& evaluation) {
@@ -121,7 +139,8 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
 }
 
 void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
-  const std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
+  std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
+  if (!arguments.landmarks.empty()) move_landmarks(arguments.landmarks, opened.truth, predictions);
   Report report;
   if (!predictions.empty()) {
     report.evaluation = evaluate(opened.truth, predictions);
@@ -173,6 +192,8 @@ void add_evaluate(CLI::App& program) {
   verb.add_option("--convention", arguments->convention,
                   "Landmarks of files that do not name theirs; `knuckle info` lists them")
       ->type_name("NAME");
+  add_landmarks_option(verb, arguments->landmarks,
+                       "All predictions are moved to the landmarks of this definition before they are scored");
   verb.add_option("--camera", arguments->camera, "Camera of a truth file [px]; a negative fy: y points up")
       ->type_name("FX,FY,CX,CY");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/cli/verb.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -13,6 +14,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/core/resources.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/pipeline/start.h"
@@ -111,6 +113,21 @@ void add_init_option(CLI::App& verb, std::string& init) {
       ->type_name("")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kStartNames), std::end(kStartNames))))
       ->capture_default_str();
+}
+
+void add_landmarks_option(CLI::App& verb, std::string& landmarks, const std::string& does) {
+  verb.add_option("--landmarks", landmarks, does + ": a file of `knuckle landmarks`, or a name in landmarks/")
+      ->type_name("FILE");
+}
+
+std::filesystem::path landmarks_file(const std::string& landmarks) {
+  const auto known = conventions();
+  const bool is_name = std::ranges::find(known, landmarks, &Convention::name) != known.end();
+  return is_name ? resource_path("landmarks/" + landmarks + ".toml") : std::filesystem::path(landmarks);
+}
+
+LandmarkDefinition load_landmarks(const std::string& landmarks) {
+  return LandmarkDefinition::load(landmarks_file(landmarks));
 }
 
 const std::vector<std::string>& command_line_arguments() {

@@ -8,6 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "knuckle/hand/landmark_definition.h"
+
 namespace knuckle::cli {
 
 /// Adds a verb with its example and the options that all verbs have.
@@ -21,6 +23,7 @@ void add_evaluate(CLI::App& program);
 void add_experiment(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
+void add_landmarks(CLI::App& program);
 void add_shrink(CLI::App& program);
 void add_render(CLI::App& program);
 void add_segment(CLI::App& program);
@@ -31,6 +34,15 @@ void add_source_option(CLI::App& verb, std::string& source);
 
 /// Adds --init nearest|truth: where segmentation starts.
 void add_init_option(CLI::App& verb, std::string& init);
+
+/// Adds --landmarks, a definition of where a convention's landmarks lie; `does` says what happens with it.
+void add_landmarks_option(CLI::App& verb, std::string& landmarks, const std::string& does);
+
+/// The definition in a file, or the one of that name which comes with Knuckle.
+LandmarkDefinition load_landmarks(const std::string& landmarks);
+
+/// The file of the same.
+std::filesystem::path landmarks_file(const std::string& landmarks);
 
 /// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a
 /// folder gets "options.toml" in it. The command line comes first, as a comment.

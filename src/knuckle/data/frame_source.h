@@ -19,6 +19,7 @@ struct FrameLabel {
   std::optional<double> time_s = {};  ///< as in Frame
   int sequence = 0;                   ///< as in Frame
   std::string name = {};              ///< as in Frame
+  std::optional<HandSide> side = {};  ///< as in Frame
 };
 
 /// Frames, one after another: a data set on disk, a generator, a camera. The paper's "data provider".
@@ -32,11 +33,12 @@ class FrameSource {
   virtual std::int64_t size() const = 0;
   /// Frame `index` in [0, size). Throws an Error that names the file where it cannot be read.
   virtual Frame read(std::int64_t index) const = 0;
-  /// Camera, truth, time, sequence and name as `read` gives them. Most sources need not open the images for
+  /// Camera, truth, time, sequence, name and side as `read` gives them. Most sources need not open the images for
   /// that.
   virtual FrameLabel read_label(std::int64_t index) const {
     Frame frame = read(index);
-    return {frame.camera, std::move(frame.truth), frame.time_s, frame.sequence, std::move(frame.name)};
+    return {frame.camera,   std::move(frame.truth), frame.time_s,
+            frame.sequence, std::move(frame.name),  frame.side};
   }
   /// What the truth is labelled in; nothing where the source has no truth.
   virtual std::optional<Convention> convention() const = 0;

@@ -6,6 +6,7 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
+#include "knuckle/data/defined_pose.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/refine/refiner_factory.h"
@@ -110,6 +111,11 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
   document.finish();
   pipeline.resolved_options_ = document.resolved_toml();
   return pipeline;
+}
+
+void Pipeline::use_landmarks(const LandmarkDefinition& definition) {
+  require_all_landmarks(estimator_->convention(), "the pipeline's model");
+  landmarks_ = definition;
 }
 
 FrameEstimate Pipeline::estimate(const Frame& frame) const {
@@ -221,6 +227,7 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     return std::move(pose);
   });
   const double score = mean_confidence(pose);
+  if (landmarks_) pose = defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right);
   return HandEstimate{std::move(region), std::move(pose), score, HandSide::right};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "knuckle/estimate/estimator.h"
+#include "knuckle/hand/landmark_definition.h"
 #include "knuckle/pipeline/hand_finder.h"
 #include "knuckle/refine/refiner.h"
 
@@ -71,8 +72,13 @@ class Pipeline {
   /// missing (null).
   explicit Pipeline(PipelineParts parts);
 
-  /// The convention of all poses: the model's.
-  Convention convention() const { return estimator_->convention(); }
+  /// From now on poses have the landmarks of that definition in place of the model's: what comes out of the last
+  /// stage is moved to where a data set's authors label. Throws an Error where the model's convention lacks one of
+  /// the 22 landmarks. Not to be called while other threads use the pipeline.
+  void use_landmarks(const LandmarkDefinition& definition);
+
+  /// The convention of all poses: that of `use_landmarks`, else the model's.
+  Convention convention() const { return landmarks_ ? landmarks_->convention : estimator_->convention(); }
 
   const HandOptions& hand() const { return finder_.hand(); }
 
@@ -102,6 +108,7 @@ class Pipeline {
   HandFinder finder_;
   std::unique_ptr<Estimator> estimator_;
   std::vector<std::unique_ptr<Refiner>> refiners_;
+  std::optional<LandmarkDefinition> landmarks_;
 };
 
 }  // namespace knuckle

@@ -151,8 +151,9 @@ FrameLabel H5Source::read_label(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
   const Camera camera = read_frame_camera(row);
   std::optional<HandPose> truth = read_truth(row, camera);
+  const std::optional<HandSide> side = read_side(row);
   require_unchanged();
-  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index), name_of(index)};
+  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index), name_of(index), side};
 }
 
 Frame H5Source::read(std::int64_t index) const {

@@ -79,6 +79,7 @@ Truth truth_from_source(const FrameSource& source, const std::string& name) {
   for (FrameLabel& label : labels) {
     truth.sequence.poses.push_back(label.truth ? std::move(*label.truth) : HandPose::missing(*convention));
     truth.projections.emplace_back(label.camera);
+    truth.sides.push_back(label.side);
   }
   merge_equal_projections(truth.projections);
   return truth;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,9 +16,15 @@ namespace knuckle {
 struct Truth {
   PoseSequence sequence;                ///< joints may be missing: those are left out of every measure
   std::vector<Projection> projections;  ///< one per frame, or a single one for all frames
+  std::vector<std::optional<HandSide>> sides = {};  ///< one per frame, or none where no frame knows its own
 
   const Projection& projection(std::int64_t frame) const {
     return projections[projections.size() == 1 ? 0 : static_cast<std::size_t>(frame)];
+  }
+  /// A hand whose side is not known counts as a right one.
+  HandSide side(std::int64_t frame) const {
+    return sides.empty() ? HandSide::right
+                         : sides[static_cast<std::size_t>(frame)].value_or(HandSide::right);
   }
 };
 

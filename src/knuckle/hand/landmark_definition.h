@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "knuckle/core/frame.h"
+#include "knuckle/core/landmarks.h"
+#include "knuckle/core/pose.h"
+
+namespace knuckle {
+
+/// The 22 landmarks of a hand in camera coordinates [mm]; one that is not known is NaN.
+using SupersetPoints = std::array<Point3, kSupersetSize>;
+
+/// Where one landmark of a data set lies: at an offset from one of the 22, in the axes of the bone there.
+struct DefinedLandmark {
+  Landmark bone = Landmark::wrist;        ///< one of the 22
+  Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< along the bone's axes (`bone_axes`) [palm lengths]
+};
+
+/// Where the landmarks of a convention lie on the hand, as those who label it place them: data sets differ by
+/// more than a centimetre. It is made of the 22 landmarks alone, so it applies to any pose.
+struct LandmarkDefinition {
+  Convention convention;
+  std::vector<DefinedLandmark> landmarks;  ///< one per landmark of the convention
+
+  /// The landmark itself where it is one of the 22; of a data set's own that of the 22 that it lies nearest
+  /// to. All offsets are 0.
+  static LandmarkDefinition plain(const Convention& convention);
+  /// Reads what `as_toml` writes. Throws an Error that names file, line and key where the file is wrong: an
+  /// unknown convention or bone, a landmark that is missing, an offset that is not finite or beyond 2.
+  static LandmarkDefinition load(const std::filesystem::path& path);
+  std::string as_toml() const;
+
+  /// The convention's landmarks on a hand [mm]; one whose bone is not known is NaN. Mirrored hands give mirrored
+  /// landmarks. Throws nothing; safe to call from many threads.
+  std::vector<Point3> on(const SupersetPoints& hand, HandSide side) const;
+};
+
+/// From the wrist to the middle finger's MCP joint [mm]; NaN where one is not known.
+double palm_length(const SupersetPoints& hand);
+
+/// The axes of the bone at one of the 22 landmarks, as columns: along the bone to the finger tip, towards the
+/// thumb's side (a thumb's own: away from the little finger's tip), and out of the back of the hand. Of wrist, palm, the MCP
+/// joints and the thumb's CMC joint they are the palm's; farther out those of the phalanx that begins there,
+/// at a tip of the one that ends there. Nothing where the landmarks that they are made of are not known or lie
+/// on a line. A left hand's are those of the right hand in a mirror (so not right-handed).
+std::optional<Eigen::Matrix3d> bone_axes(const SupersetPoints& hand, HandSide side, Landmark landmark);
+
+}  // namespace knuckle

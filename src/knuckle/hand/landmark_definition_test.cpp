@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/hand/landmark_definition.h"
+
+#include <fstream>
+
+#include <Eigen/Geometry>
+
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/skeleton_testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::error_of;
+using testing::TemporaryFolder;
+
+/// A random hand within its limits, anywhere before the camera.
+SupersetPoints random_hand(Random& random) {
+  const HandSkeleton& adult = adult_skeleton();
+  const HandAngles angles = testing::random_angles(adult.limits, random);
+  const Eigen::Vector3d axis =
+      Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  RigidTransform pose = RigidTransform::Identity();
+  pose.linear() = Eigen::AngleAxisd(random.uniform(-3.0, 3.0), axis).toRotationMatrix();
+  pose.translation() = Point3(random.uniform(-200, 200), random.uniform(-200, 200), random.uniform(300, 900));
+  return landmarks(adult, angles, pose);
+}
+
+LandmarkDefinition random_definition(const Convention& convention, Random& random) {
+  LandmarkDefinition definition = LandmarkDefinition::plain(convention);
+  for (DefinedLandmark& landmark : definition.landmarks)
+    landmark.offset = {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
+  return definition;
+}
+
+SupersetPoints moved(const SupersetPoints& hand, const Eigen::Matrix3d& matrix, const Point3& shift) {
+  SupersetPoints result = hand;
+  for (Point3& point : result) point = matrix * point + shift;
+  return result;
+}
+
+TEST(BoneAxesTest, AreOrthonormalAndPointAsSaid) {
+  Random random(1);
+  for (int i = 0; i < 50; ++i) {
+    const SupersetPoints hand = random_hand(random);
+    for (const Landmark landmark : superset_convention().landmarks) {
+      const auto axes = bone_axes(hand, HandSide::right, landmark);
+      ASSERT_TRUE(axes) << name_of(landmark);
+      EXPECT_LT((axes->transpose() * *axes - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+      EXPECT_GT(axes->determinant(), 0.0);
+    }
+  }
+  // The straight hand's axes are named in HandSkeleton: x to the thumb's side, y to the fingers, z out of the palm.
+  const auto straight = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
+  for (const Landmark landmark : {Landmark::wrist, Landmark::middle_mcp, Landmark::middle_pip, Landmark::middle_tip}) {
+    const auto axes = bone_axes(straight, HandSide::right, landmark);
+    EXPECT_GT(axes->col(0).y(), 0.98) << name_of(landmark);
+    EXPECT_GT(axes->col(1).x(), 0.98) << name_of(landmark);
+    EXPECT_LT(axes->col(2).z(), -0.98) << name_of(landmark);
+  }
+}
+
+TEST(BoneAxesTest, AreNothingWhereTheHandIsNotKnownOrFlatAsALine) {
+  Random random(2);
+  SupersetPoints hand = random_hand(random);
+  hand[static_cast<std::size_t>(Landmark::ring_dip)] = Point3::Constant(kNaN);
+  EXPECT_FALSE(bone_axes(hand, HandSide::right, Landmark::ring_pip));
+  EXPECT_FALSE(bone_axes(hand, HandSide::right, Landmark::ring_dip));
+  EXPECT_TRUE(bone_axes(hand, HandSide::right, Landmark::ring_mcp));
+  hand[static_cast<std::size_t>(Landmark::little_mcp)] = Point3::Constant(kNaN);
+  EXPECT_FALSE(bone_axes(hand, HandSide::right, Landmark::index_tip));
+  SupersetPoints line;
+  for (std::size_t i = 0; i < line.size(); ++i) line[i] = {0, 10.0 * static_cast<double>(i), 500};
+  EXPECT_FALSE(bone_axes(line, HandSide::right, Landmark::wrist));
+  SupersetPoints point;
+  point.fill({1, 2, 3});
+  EXPECT_FALSE(bone_axes(point, HandSide::right, Landmark::wrist));
+}
+
+TEST(LandmarkDefinitionTest, FollowsMotionSizeAndMirrors) {
+  Random random(3);
+  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
+  mirror(0, 0) = -1.0;
+  for (const Convention& convention : conventions()) {
+    const SupersetPoints hand = random_hand(random);
+    const LandmarkDefinition definition = random_definition(convention, random);
+    const std::vector<Point3> points = definition.on(hand, HandSide::right);
+    ASSERT_EQ(std::ssize(points), convention.size());
+    const Eigen::Matrix3d turn =
+        1.7 * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+    const Point3 shift(10, -20, 400);
+    const auto turned = definition.on(moved(hand, turn, shift), HandSide::right);
+    const auto left = definition.on(moved(hand, mirror, Point3::Zero()), HandSide::left);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_LT((turned[i] - (turn * points[i] + shift)).norm(), 1e-9);
+      EXPECT_LT((left[i] - mirror * points[i]).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(LandmarkDefinitionTest, OffsetsArePalmLengthsAlongTheBone) {
+  const auto hand = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
+  LandmarkDefinition definition = LandmarkDefinition::plain(convention_from_name("icg20"));
+  const int index = definition.convention.index_of(Landmark::index_pip);
+  definition.landmarks[static_cast<std::size_t>(index)].offset = {0.1, 0.0, 0.0};
+  const auto points = definition.on(hand, HandSide::right);
+  const Point3& from = hand[static_cast<std::size_t>(Landmark::index_pip)];
+  const Point3& to = hand[static_cast<std::size_t>(Landmark::index_dip)];
+  const Point3 expected = from + 0.1 * palm_length(hand) * (to - from).normalized();
+  EXPECT_LT((points[static_cast<std::size_t>(index)] - expected).norm(), 1e-9);
+  const int other = definition.convention.index_of(Landmark::ring_dip);
+  EXPECT_EQ(points[static_cast<std::size_t>(other)], hand[static_cast<std::size_t>(Landmark::ring_dip)]);
+}
+
+TEST(LandmarkDefinitionTest, AreReadAsTheyWereWritten) {
+  const TemporaryFolder folder;
+  Random random(4);
+  for (const Convention& convention : conventions()) {
+    const LandmarkDefinition written = random_definition(convention, random);
+    const auto path = folder / (std::string(convention.name) + ".toml");
+    std::ofstream(path) << written.as_toml();
+    const LandmarkDefinition read = LandmarkDefinition::load(path);
+    EXPECT_EQ(read.convention, convention);
+    ASSERT_EQ(read.landmarks.size(), written.landmarks.size());
+    for (std::size_t i = 0; i < read.landmarks.size(); ++i) {
+      EXPECT_EQ(read.landmarks[i].bone, written.landmarks[i].bone);
+      EXPECT_LT((read.landmarks[i].offset - written.landmarks[i].offset).norm(), 1e-5);
+    }
+  }
+}
+
+TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
+  const TemporaryFolder folder;
+  const std::string good = LandmarkDefinition::plain(convention_from_name("icg20")).as_toml();
+  const auto error_with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const auto path = folder / "bad.toml";
+    std::ofstream(path) << text;
+    return error_of([&] { LandmarkDefinition::load(path); });
+  };
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"tail\""), HasSubstr("bad.toml"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"tail\""), HasSubstr("tail"));
+  EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, nan, 0.0]"), HasSubstr("offset"));
+  EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 3.0, 0.0]"), HasSubstr("offset"));
+  EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 0.0]"), HasSubstr("offset"));
+  EXPECT_THAT(error_with("icg20", "icg99"), HasSubstr("icg99"));
+  EXPECT_THAT(error_with("[index_tip]", "[index_top]"), HasSubstr("index_tip"));
+  EXPECT_THAT(error_with("bone = \"palm\"\n", ""), HasSubstr("'bone'"));
+  EXPECT_THAT(error_with("version = 1", "version = 2"), HasSubstr("version"));
+  EXPECT_THAT(error_with("format = \"knuckle-landmarks\"\n", ""), HasSubstr("'format'"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\nscale = 2"), HasSubstr("scale"));
+}
+
+}  // namespace
+}  // namespace knuckle
