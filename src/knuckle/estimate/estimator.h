@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "knuckle/core/landmarks.h"
@@ -13,6 +14,7 @@ namespace knuckle {
 struct PatchPose {
   std::vector<PatchPoint> joints;  ///< one per landmark of the model's convention
   std::vector<float> confidence;   ///< one per joint in [0, 1], or empty
+  std::optional<double> right_hand = {};  ///< how likely it is a right hand, [0, 1]; nothing: it cannot tell
 };
 
 /// Infers the pose of a hand from its patch. Models are for right hands.

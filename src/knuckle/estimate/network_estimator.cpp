@@ -19,7 +19,7 @@ double NetworkEstimator::sure_confidence() const {
 
 PatchPose NetworkEstimator::estimate(const HandPatch& patch) const {
   NetworkPrediction prediction = network_.predict(patch.pixels);
-  return {std::move(prediction.joints), std::move(prediction.confidence)};
+  return {std::move(prediction.joints), std::move(prediction.confidence), prediction.right_hand};
 }
 
 }  // namespace knuckle

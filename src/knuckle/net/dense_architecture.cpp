@@ -3,6 +3,10 @@
 
 namespace knuckle {
 
+int side_map(const NetworkOptions& options) {
+  return kMapsPerJoint * options.joint_count();
+}
+
 EncoderDecoderShape dense_shape(const NetworkOptions& options) {
   const DenseNetworkOptions& dense = options.dense;
   return {.inputs = 1,
@@ -12,7 +16,7 @@ EncoderDecoderShape dense_shape(const NetworkOptions& options) {
           .sixteenth = dense.sixteenth_channels,
           .head = dense.head_channels,
           .blocks = dense.blocks,
-          .maps = kMapsPerJoint * options.joint_count()};
+          .maps = side_map(options) + (dense.tells_side ? 1 : 0)};
 }
 
 std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {

@@ -39,6 +39,7 @@ void DenseNetworkOptions::visit(OptionVisitor& visitor) {
   visitor.integer("blocks", blocks, closed(1, 16));
   visitor.real("kernel", kernel, open_closed(0, 4));
   visitor.real("dense_weight", dense_weight, closed(0, 100));
+  visitor.flag("tells_side", tells_side);
 }
 
 void PaperNetworkOptions::visit(OptionVisitor& visitor) {

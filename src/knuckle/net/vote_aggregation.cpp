@@ -136,4 +136,11 @@ NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& p
   return VoteAggregation(voting_cells(votes, patch), joint_count, kernel).aggregate();
 }
 
+double mean_over_hand(const FeatureMap& votes, const Image<float>& patch, int channel) {
+  const std::vector<Cell> cells = voting_cells(votes, patch);
+  double sum = 0.0;
+  for (const Cell& cell : cells) sum += cell.channels[channel];
+  return sum / static_cast<double>(cells.size());
+}
+
 }  // namespace knuckle

@@ -16,4 +16,7 @@ namespace knuckle {
 NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& patch, int joint_count,
                                   double kernel);
 
+/// The mean of one channel over the cells that vote.
+double mean_over_hand(const FeatureMap& votes, const Image<float>& patch, int channel);
+
 }  // namespace knuckle

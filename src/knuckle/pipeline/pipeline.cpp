@@ -90,7 +90,8 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
 
 /// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
 HandEstimate mirrored_back(HandEstimate hand, int width) {
-  return {mirrored(std::move(hand.region), width), mirrored(hand.pose, width), hand.score, HandSide::left};
+  return {mirrored(std::move(hand.region), width), mirrored(hand.pose, width), hand.score, HandSide::left,
+          hand.side_confidence};
 }
 
 }  // namespace
@@ -199,11 +200,23 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
   }
 }
 
-/// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
+/// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror. Segmentation
+/// guesses the side; an estimator that doubts the guess is shown the other one as well, and the likelier one stays.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
                                               StageTimes& times) const {
-  const bool is_left = finder_.hand().is_auto() && region.side == HandSide::left;
-  if (!is_left) return right_hand_in(frame, std::move(region), times);
+  if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), times);
+  const HandSide guess = region.side.value_or(HandSide::right);
+  auto hand = hand_of_side(frame, region, guess, times);
+  if (!hand || hand->side_confidence.value_or(1.0) >= 0.5) return hand;
+  auto other = hand_of_side(frame, std::move(region),
+                            guess == HandSide::right ? HandSide::left : HandSide::right, times);
+  const bool is_likelier = other && other->side_confidence.value_or(0.0) > *hand->side_confidence;
+  return is_likelier ? std::move(other) : std::move(hand);
+}
+
+std::optional<HandEstimate> Pipeline::hand_of_side(const Frame& frame, HandRegion region, HandSide side,
+                                                   StageTimes& times) const {
+  if (side == HandSide::right) return right_hand_in(frame, std::move(region), times);
   const int width = frame.camera.width;
   auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), times);
   if (hand) hand = mirrored_back(*std::move(hand), width);
@@ -214,21 +227,21 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
                                                     StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
-  HandPose pose = pose_in_patch(*patch, times);
+  PoseSeen seen = pose_in_patch(*patch, times);
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
-    const ImagePoint centre = mean_joint(pose);
+    const ImagePoint centre = mean_joint(seen.pose);
     patch = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
     if (!patch) break;
-    pose = pose_in_patch(*patch, times);
+    seen = pose_in_patch(*patch, times);
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
-  pose = timed(times.refine_ms, [&] {
-    for (const auto& refiner : refiners_) pose = refiner->refine(frame, region, std::move(pose));
-    return std::move(pose);
+  HandPose pose = timed(times.refine_ms, [&] {
+    for (const auto& refiner : refiners_) seen.pose = refiner->refine(frame, region, std::move(seen.pose));
+    return std::move(seen.pose);
   });
   const double score = mean_confidence(pose);
   if (landmarks_) pose = defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right);
-  return HandEstimate{std::move(region), std::move(pose), score, HandSide::right};
+  return HandEstimate{std::move(region), std::move(pose), score, HandSide::right, seen.right_hand};
 }
 
 HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre,
@@ -240,9 +253,10 @@ HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& cent
   return region;
 }
 
-HandPose Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {
+Pipeline::PoseSeen Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {
   return timed(times.estimate_ms, [&] {
-    return pose_in_image(estimator_->estimate(patch), estimator_->convention(), patch.geometry);
+    const PatchPose pose = estimator_->estimate(patch);
+    return PoseSeen{pose_in_image(pose, estimator_->convention(), patch.geometry), pose.right_hand};
   });
 }
 

@@ -33,6 +33,8 @@ struct HandEstimate {
   /// What is known of the hand, [0, 1]: the mean confidence of its joints; 1 where the method gives none.
   double score = 1.0;
   HandSide side = HandSide::right;  ///< as which it was looked at (`HandOptions::side`)
+  /// How likely the hand is of that side, as the estimator sees it, [0, 1]; nothing: it cannot tell.
+  std::optional<double> side_confidence = {};
 };
 
 /// The status of a frame in which a start was given and the pose found there is not sure.
@@ -94,6 +96,12 @@ class Pipeline {
   FrameEstimate estimate(const Frame& frame, const Search& search) const;
 
  private:
+  /// A pose, and how likely it is that of a right hand.
+  struct PoseSeen {
+    HandPose pose;
+    std::optional<double> right_hand;
+  };
+
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
@@ -101,8 +109,10 @@ class Pipeline {
   void look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const;
   std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
   std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
+  std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
+                                           StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
-  HandPose pose_in_patch(const HandPatch& patch, StageTimes& times) const;
+  PoseSeen pose_in_patch(const HandPatch& patch, StageTimes& times) const;
 
   std::string resolved_options_;
   HandFinder finder_;

@@ -139,6 +139,47 @@ TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
   }
 }
 
+/// Tells a right hand by its side of the image: `right_in_left_half` where the plate is, and in a mirror the rest.
+class SideEstimator final : public Estimator {
+ public:
+  explicit SideEstimator(std::optional<double> right_hand) : right_hand_(right_hand) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = corner_.estimate(patch);
+    if (right_hand_) pose.right_hand = is_mirrored(patch) ? 1.0 - *right_hand_ : *right_hand_;
+    return pose;
+  }
+
+ private:
+  /// The plate lies in the left half of the frame.
+  static bool is_mirrored(const HandPatch& patch) {
+    return patch.geometry.to_image(PatchPoint{-1.0, -1.0, 0.0}).u > 0.5 * kWidth;
+  }
+
+  CornerEstimator corner_;
+  std::optional<double> right_hand_;
+};
+
+TEST(PipelineFromParts, AnEstimatorThatDoubtsTheSideIsShownTheOtherOne) {
+  for (const auto told : {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
+    for (const std::optional<double> right : {std::optional<double>(), std::optional(0.9), std::optional(0.2)}) {
+      PipelineParts sided{HandFinder(std::make_unique<SidedSegmenter>(told), {.side = "auto"}),
+                          std::make_unique<SideEstimator>(right)};
+      const FrameEstimate result = Pipeline(std::move(sided)).estimate(plate());
+      ASSERT_EQ(result.hands.size(), 1u);
+      const HandEstimate& hand = result.hands[0];
+      const bool is_left = right ? *right < 0.5 : told == HandSide::left;
+      EXPECT_EQ(hand.side, is_left ? HandSide::left : HandSide::right);
+      EXPECT_NEAR(hand.pose.joints[0].u, is_left ? 13.0 : 4.0, 1e-9);
+      ASSERT_EQ(hand.side_confidence.has_value(), right.has_value());
+      if (right) {
+        EXPECT_NEAR(*hand.side_confidence, is_left ? 1.0 - *right : *right, 1e-12);
+      }
+    }
+  }
+}
+
 TEST(PipelineFromParts, MirrorsALeftHandThereAndBack) {
   const FrameEstimate result = Pipeline(parts({.side = "left"})).estimate(plate());
   ASSERT_EQ(result.hands.size(), 1u);

@@ -144,6 +144,7 @@ void AugmentationOptions::visit(OptionVisitor& visitor) {
   visitor.real("missing_share", missing_share, closed(0, 0.9));
   visitor.real("erased_share", erased_share, closed(0, 1));
   visitor.real("erased_mm", erased_mm, closed(0, 200));
+  visitor.real("mirrored_share", mirrored_share, closed(0, 0.9));
 }
 
 RandomView random_view(const CubeSample& sample, const CubeSamples& samples,

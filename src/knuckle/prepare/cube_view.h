@@ -67,6 +67,7 @@ struct AugmentationOptions {
   double missing_share = 0.03;  ///< largest share of pixels that are lost, [0, 0.9]
   double erased_share = 0.3;    ///< views with a disc that is not seen, [0, 1]
   double erased_mm = 40.0;      ///< largest radius of the disc, [0, 200] [mm]
+  double mirrored_share = 0.0;  ///< views in a mirror, for networks that tell sides, [0, 0.9]
 
   void visit(OptionVisitor& visitor);
 };

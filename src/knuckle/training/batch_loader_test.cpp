@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/batch_loader.h"
 
+#include <cmath>
 #include <map>
 
 #include "knuckle/core/testing.h"
@@ -44,6 +45,48 @@ TEST(BatchPlan, SeesEachSampleOnceBeforeAnyAgain) {
   const CubeSamples samples = made_up_samples(12);
   EXPECT_THAT(counts_of(times_seen(samples, 4, 3)), ::testing::AllOf(::testing::SizeIs(12), Each(1)));
   EXPECT_THAT(counts_of(times_seen(samples, 5, 12)), ::testing::AllOf(::testing::SizeIs(12), Each(5)));
+}
+
+TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
+  const CubeSamples samples = made_up_samples(4);
+  AugmentationOptions mirrors = no_augmentation();
+  mirrors.mirrored_share = 0.5;
+  const CubeSampleViews views(samples, mirrors, true);
+  const CubeSampleViews straight(samples, no_augmentation());
+  ASSERT_EQ(views.target_shape(), (std::vector<std::int64_t>{kTestJoints + 1, 3}));
+  const auto side = static_cast<std::size_t>(views.input_shape()[1]);
+  std::vector<float> input(side * side);
+  std::vector<float> expected(side * side);
+  std::vector<float> target(kNumbers + 3);
+  std::vector<float> joints(kNumbers);
+  int mirrored = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    views.view(1, random, input, target);
+    Random same(seed);
+    straight.view(1, same, expected, joints);
+    const bool is_left = target[kNumbers] == 0.0f;
+    mirrored += is_left ? 1 : 0;
+    for (std::size_t row = 0; row < side; ++row) {
+      for (std::size_t column = 0; column < side; ++column) {
+        const std::size_t from = is_left ? side - 1 - column : column;
+        ASSERT_EQ(input[row * side + column], expected[row * side + from]);
+      }
+    }
+    for (std::size_t i = 0; i < kNumbers; ++i) {
+      EXPECT_TRUE(is_left ? std::isnan(target[i]) : target[i] == joints[i]);
+    }
+  }
+  EXPECT_GT(mirrored, 10);
+  EXPECT_LT(mirrored, 30);
+}
+
+TEST(CubeSampleViews, NeedANetworkThatTellsSidesForMirrors) {
+  const CubeSamples samples = made_up_samples(1);
+  AugmentationOptions mirrors = no_augmentation();
+  EXPECT_THAT(error_of([&] { CubeSampleViews(samples, mirrors, true); }), HasSubstr("mirrored_share"));
+  mirrors.mirrored_share = 0.1;
+  EXPECT_THAT(error_of([&] { CubeSampleViews(samples, mirrors, false); }), HasSubstr("tells_side"));
 }
 
 TEST(BatchPlan, ABatchMayBeLargerThanTheSet) {

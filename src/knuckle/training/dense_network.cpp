@@ -14,6 +14,7 @@ namespace {
 constexpr int kStride = kMapStride;
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
+constexpr double kHandSideWeight = 0.05;  // of the entropy of the side, against the smooth distances of joints
 
 /// u (or v) of the centres of the cells of one line of the maps.
 torch::Tensor cell_centres(int64_t cells, const torch::TensorOptions& options) {
@@ -67,7 +68,8 @@ torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
 
 DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const torch::Tensor& patches) const {
   const int64_t count = output.size(0);
-  const torch::Tensor maps = output.contiguous().view({count, kMapsPerJoint, joint_count_, -1});
+  const torch::Tensor of_joints = output.narrow(1, 0, kMapsPerJoint * joint_count_);
+  const torch::Tensor maps = of_joints.contiguous().view({count, kMapsPerJoint, joint_count_, -1});
   const torch::Tensor points = cell_points(patches).view({count, 1, 3, -1});
   Votes votes;
   votes.points = points;
@@ -79,8 +81,26 @@ DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const to
   return votes;
 }
 
+torch::Tensor DenseNetwork::side_logits(const torch::Tensor& output, const torch::Tensor& patches) const {
+  const torch::Tensor is_hand = (cell_points(patches).select(1, 2) < kCubeBackground).to(output.scalar_type());
+  const torch::Tensor map = output.select(1, kMapsPerJoint * joint_count_);
+  // As in use: all cells where none is hand.
+  const torch::Tensor counts = torch::where(is_hand.sum({1, 2}, true) > 0, is_hand, torch::ones_like(is_hand));
+  return (map * counts).sum({1, 2}) / counts.sum({1, 2});
+}
+
 torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tensor& patches,
-                                 const torch::Tensor& joints) {
+                                 const torch::Tensor& targets) {
+  if (!options_.tells_side) return joint_loss(output, patches, targets);
+  const torch::Tensor joints = targets.narrow(1, 0, joint_count_).contiguous();
+  const torch::Tensor is_right = targets.select(1, joint_count_).select(1, 0).to(output.scalar_type());
+  const torch::Tensor side =
+      torch::binary_cross_entropy_with_logits(side_logits(output, patches), is_right, {}, {}, at::Reduction::Mean);
+  return joint_loss(output, patches, joints) + kHandSideWeight * side;
+}
+
+torch::Tensor DenseNetwork::joint_loss(const torch::Tensor& output, const torch::Tensor& patches,
+                                       const torch::Tensor& joints) const {
   if (output.device().is_cpu() && output.scalar_type() == torch::kFloat) {
     return vote_loss(output, cell_points(patches), joints, {options_.kernel, options_.dense_weight});
   }
@@ -110,7 +130,9 @@ NetworkAnswer DenseNetwork::decode(const torch::Tensor& output, const torch::Ten
   const torch::Tensor joints = (each * votes.weight).sum(-1);
   const torch::Tensor squares = (each - joints.unsqueeze(-1)).square().sum(2, true);
   const torch::Tensor spread = (squares * votes.weight).sum(-1).sqrt().squeeze(-1);
-  return {joints, torch::exp(-spread / kSpreadScale)};
+  NetworkAnswer answer{joints, torch::exp(-spread / kSpreadScale), {}};
+  if (options_.tells_side) answer.right_hand = torch::sigmoid(side_logits(output, patches));
+  return answer;
 }
 
 }  // namespace knuckle

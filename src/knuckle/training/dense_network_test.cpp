@@ -121,6 +121,63 @@ TEST(DenseNetwork, HasTheSameLossInSingleAndInDoublePrecision) {
   EXPECT_TRUE(torch::allclose(single.grad().to(torch::kDouble), reference.grad(), 1e-3, 1e-6));
 }
 
+NetworkOptions network_that_tells_sides() {
+  NetworkOptions options = small_network();
+  options.dense.tells_side = true;
+  return options;
+}
+
+/// Targets of joints and sides: one row more, whose first number is the side.
+torch::Tensor with_sides(const torch::Tensor& joints, const std::vector<double>& is_right) {
+  torch::Tensor targets = torch::zeros({joints.size(0), kJoints + 1, 3}, joints.options());
+  targets.narrow(1, 0, kJoints).copy_(joints);
+  for (std::size_t i = 0; i < is_right.size(); ++i) targets[static_cast<int64_t>(i)][kJoints].fill_(is_right[i]);
+  return targets;
+}
+
+TEST(DenseNetwork, TheLossOfSidesHasTheGradientOfFiniteDifferences) {
+  const auto network = make_network(network_that_tells_sides(), 1);
+  torch::manual_seed(8);
+  const torch::Tensor patches = torch::rand({2, 1, kSize, kSize}, torch::kDouble) * 1.5 - 0.2;
+  torch::Tensor joints = torch::rand({2, kJoints, 3}, torch::kDouble) - 0.5;
+  joints[1].fill_(kNaN);  // a left hand: only its side is learned
+  testing::expect_gradient_of_finite_differences(
+      *network, patches, with_sides(joints, {1.0, 0.0}),
+      0.3 * torch::randn({2, 5 * kJoints + 1, kMaps, kMaps}, torch::kDouble));
+}
+
+TEST(DenseNetwork, OfALeftHandOnlyTheSideIsLearned) {
+  const auto network = make_network(network_that_tells_sides(), 1);
+  torch::manual_seed(9);
+  torch::Tensor patches = torch::rand({1, 1, kSize, kSize}) - 0.5;
+  patches[0][0].narrow(1, 0, kSize / 2).fill_(kCubeBackground);  // the left half is no hand
+  torch::Tensor output = torch::randn({1, 5 * kJoints + 1, kMaps, kMaps});
+  output.set_requires_grad(true);
+  const torch::Tensor joints = torch::full({1, kJoints, 3}, kNaN);
+  network->loss(output, patches, with_sides(joints, {0.0})).backward();
+  const torch::Tensor slopes = output.grad()[0];
+  EXPECT_EQ(slopes.narrow(0, 0, 5 * kJoints).abs().sum().item<float>(), 0.0f);
+  EXPECT_EQ(slopes[5 * kJoints].narrow(1, 0, kMaps / 2).abs().sum().item<float>(), 0.0f);
+  EXPECT_TRUE((slopes[5 * kJoints].narrow(1, kMaps / 2, kMaps / 2) > 0).all().item<bool>()) << "less right";
+}
+
+TEST(DenseNetwork, JointsAreLearnedTheSameBesideSides) {
+  const auto network = make_network(small_network(), 1);
+  const auto sided = make_network(network_that_tells_sides(), 1);
+  torch::manual_seed(10);
+  const torch::Tensor patches = torch::rand({2, 1, kSize, kSize}) * 1.5 - 0.2;
+  const torch::Tensor joints = torch::rand({2, kJoints, 3}) - 0.5;
+  const torch::Tensor output = torch::randn({2, 5 * kJoints + 1, kMaps, kMaps});
+  const torch::Tensor of_joints = output.narrow(1, 0, 5 * kJoints).contiguous().set_requires_grad(true);
+  const torch::Tensor of_all = output.clone().set_requires_grad(true);
+  network->loss(of_joints, patches, joints).backward();
+  sided->loss(of_all, patches, with_sides(joints, {1.0, 1.0})).backward();
+  EXPECT_TRUE(torch::allclose(of_joints.grad(), of_all.grad().narrow(1, 0, 5 * kJoints), 1e-5, 1e-9));
+  const NetworkAnswer answer = sided->decode(output, patches);
+  EXPECT_TRUE(torch::allclose(answer.joints, network->decode(of_joints, patches).joints));
+  EXPECT_EQ(answer.right_hand.sizes(), torch::IntArrayRef({2}));
+}
+
 TEST(DenseNetwork, AJointThatIsNotKnownHasNoGradient) {
   const auto network = make_network(small_network(), 1);
   const torch::Tensor patches = torch::rand({1, 1, kSize, kSize}) - 0.5;

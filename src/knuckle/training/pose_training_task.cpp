@@ -13,7 +13,7 @@ PoseTrainingTask::PoseTrainingTask(const NetworkOptions& network, const Augmenta
                                    const CubeSamples& training, const CubeSamples& validation)
     : options_(network),
       augmentation_(augmentation),
-      views_(std::make_shared<const CubeSampleViews>(training, augmentation)),
+      views_(std::make_shared<const CubeSampleViews>(training, augmentation, network.dense.tells_side)),
       validation_(validation) {}
 
 std::shared_ptr<TrainableModule> PoseTrainingTask::make_module(std::uint64_t seed) const {

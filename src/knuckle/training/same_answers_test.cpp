@@ -77,6 +77,8 @@ std::vector<NetworkCase> cases() {
                .blocks = 2,
                .kernel = 1.3};
   cases.push_back({"dense_odd", odd});
+  odd.dense.tells_side = true;
+  cases.push_back({"dense_with_side", odd});
   odd.architecture = "heatmap25d";
   odd.paper = {.first_maps = 3,
                .second_maps = 5,
@@ -114,6 +116,10 @@ TEST_P(SameAnswers, InTrainingAndInUse) {
       EXPECT_NEAR(found.joints[j].v, joint[1].item<float>(), 1e-3) << j;
       EXPECT_NEAR(found.joints[j].d, joint[2].item<float>(), 1e-3) << j;
     }
+    ASSERT_EQ(found.right_hand.has_value(), expected.right_hand.defined());
+    if (found.right_hand) {
+      EXPECT_NEAR(*found.right_hand, expected.right_hand[0].item<float>(), 1e-3);
+    }
     ASSERT_EQ(!found.confidence.empty(), expected.confidence.defined());
     for (std::size_t j = 0; j < found.confidence.size(); ++j) {
       EXPECT_NEAR(found.confidence[j], expected.confidence[0][static_cast<int64_t>(j)].item<float>(), 1e-3);
@@ -122,13 +128,17 @@ TEST_P(SameAnswers, InTrainingAndInUse) {
 }
 
 TEST(SameAnswersOnEveryKind, OfNothingButBackground) {
-  const auto network = make_network(small_network(), 3);
+  NetworkOptions options = small_network();
+  options.dense.tells_side = true;
+  const auto network = make_network(options, 3);
   make_like_trained(*network);
-  const PoseNetwork in_use(weights_of(small_network(), *network));
+  const PoseNetwork in_use(weights_of(options, *network));
   const torch::NoGradGuard no_gradient;
   const torch::Tensor input = torch::full({1, 1, 32, 32}, kCubeBackground);
-  const torch::Tensor expected = network->decode(network->forward(input), input).joints;
+  const NetworkAnswer answer = network->decode(network->forward(input), input);
+  const torch::Tensor& expected = answer.joints;
   const NetworkPrediction found = in_use.predict(Image<float>(32, 32, kCubeBackground));
+  EXPECT_NEAR(found.right_hand.value(), answer.right_hand[0].item<float>(), 2e-3);
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
     EXPECT_NEAR(found.joints[j].u, expected[0][static_cast<int64_t>(j)][0].item<float>(), 2e-3);
     EXPECT_NEAR(found.joints[j].d, expected[0][static_cast<int64_t>(j)][2].item<float>(), 2e-3);

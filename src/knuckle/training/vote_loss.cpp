@@ -42,9 +42,10 @@ struct Divisors {
 /// One sample of a batch: pointers to its numbers, pixel by pixel.
 class Sample {
  public:
-  Sample(const float* points, const float* channels, const float* joints, int64_t cells, int64_t joint_count,
-         const VoteLossOptions& options)
+  Sample(const float* points, const float* channels, int64_t channel_count, const float* joints, int64_t cells,
+         int64_t joint_count, const VoteLossOptions& options)
       : channels_(channels),
+        channel_count_(channel_count),
         joints_(joints),
         joint_count_(joint_count),
         kernel_(static_cast<float>(options.kernel)),
@@ -99,7 +100,7 @@ class Sample {
   }
   /// Channel 0 to 2: the offset, 3: the closeness, 4: the weight.
   int64_t place(const Cell& cell, int64_t j, int64_t channel) const {
-    return (cell.place * kMapsPerJoint + channel) * joint_count_ + j;
+    return cell.place * channel_count_ + channel * joint_count_ + j;
   }
   float value(const Cell& cell, int64_t j, int64_t channel) const {
     return channels_[place(cell, j, channel)];
@@ -177,6 +178,7 @@ class Sample {
   }
 
   const float* channels_;
+  int64_t channel_count_;
   const float* joints_;
   int64_t joint_count_;
   float kernel_;
@@ -200,7 +202,7 @@ class VoteLoss final : public torch::autograd::Function<VoteLoss> {
     Divisors divisors;
     for (int64_t n = 0; n < output.size(0); ++n) {
       samples.emplace_back(points.data_ptr<float>() + n * 3 * cells,
-                           output.data_ptr<float>() + n * output.size(1) * cells,
+                           output.data_ptr<float>() + n * output.size(1) * cells, output.size(1),
                            joints.data_ptr<float>() + n * 3 * joint_count, cells, joint_count, options);
       samples.back().count(divisors);
     }
