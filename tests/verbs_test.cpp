@@ -35,6 +35,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"segment"},
                                                {"shrink"},
                                                {"estimate"},
+                                               {"landmarks"},
                                                {"evaluate"},
                                                {"experiment"},
                                                {"demo"}}) {
@@ -293,6 +294,49 @@ TEST_F(VerbsTest, AShrunkForestIsSmallerAndEstimates) {
       run_program({"shrink", "--model", "models/dense.pt", "--leaves", "9", "--out", path("b.model")}),
       FailedWith("models/dense.pt"));
   EXPECT_FALSE(std::filesystem::exists(path("b.model")));
+}
+
+/// "mean mm" of a method in what `evaluate --json` wrote.
+double mean_error_mm(const std::string& file) {
+  return nlohmann::json::parse(read_text_file(file))["methods"][0]["mean_3d_mm"];
+}
+
+TEST_F(VerbsTest, LandmarksThatAreLabelledElsewhereAreLearnedAndApplied) {
+  const std::string source = "synthetic:manifests/demo.toml?count=24";
+  const std::string fitted = source + "&step=2";
+  const std::string held_out = source + "&first=1&step=2";
+  ASSERT_THAT(run_program({"landmarks", "--source", fitted, "--out", path("marks.toml")}), Succeeded());
+  ASSERT_THAT(run_program({"estimate", "--source", held_out, "--init", "truth", "--out", path("plain.txt")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"estimate", "--source", held_out, "--init", "truth", "--landmarks", path("marks.toml"),
+                           "--out", path("moved.txt"), "--records", path("moved.jsonl")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"), "--landmarks",
+                           path("marks.toml"), "--json", path("moved_later.json")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("moved.txt"), "--json",
+                           path("moved.json")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"), "--json",
+                           path("plain.json")}),
+              Succeeded());
+  EXPECT_NEAR(mean_error_mm(path("moved.json")), mean_error_mm(path("moved_later.json")), 0.002);
+  EXPECT_GT(std::abs(mean_error_mm(path("moved.json")) - mean_error_mm(path("plain.json"))), 0.002) << "moved";
+}
+
+TEST_F(VerbsTest, LandmarksSayWhatIsWrong) {
+  EXPECT_THAT(run_program({"landmarks", "--source", kDemoSource, "--out", path("marks.toml")}),
+              FailedWith("too few to fit"));
+  EXPECT_FALSE(std::filesystem::exists(path("marks.toml")));
+  EXPECT_THAT(run_program({"landmarks", "--source", kDemoSource, "--out", path("none/marks.toml")}),
+              FailedWith("none/marks.toml"));
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("no.toml"), "--out", path("p.txt")}),
+              FailedWith("no.toml"));
+  write_text_file(path("marks.toml"),
+                  "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"icg20\"\n");
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("marks.toml"), "--out", path("p.txt")}),
+              FailedWith("lacks the table [palm]"));
+  EXPECT_FALSE(std::filesystem::exists(path("p.txt")));
 }
 
 TEST_F(VerbsTest, ALeftHandIsEstimatedAsItsMirrorImage) {

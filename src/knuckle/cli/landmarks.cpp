@@ -95,8 +95,9 @@ void run_landmarks(const LandmarksArguments& arguments) {
 
 void add_landmarks(CLI::App& program) {
   CLI::App& verb = add_verb(program, "landmarks", "Fit where a data set's own landmarks lie on the hand",
-                            "knuckle landmarks --source folder:/sets/mine --out mine.toml\n"
-                            "  knuckle estimate --source folder:/sets/mine --landmarks mine.toml --out poses.txt");
+                            "knuckle landmarks --source synthetic:manifests/demo.toml --out landmarks.toml\n"
+                            "  knuckle estimate --source synthetic:manifests/demo.toml --landmarks landmarks.toml "
+                            "--out poses.txt");
   auto arguments = std::make_shared<LandmarksArguments>();
   add_source_option(verb, arguments->source);
   verb.add_option("--pipeline", arguments->pipeline,
