@@ -126,16 +126,16 @@ TEST(PngDecoder, RefusesImpossibleSizesBeforeMemoryIsTaken) {
               HasSubstr("65535 x 65535 pixels, expected 1 to 16384"));
   EXPECT_THAT(fault_of(Png{.width = 16384, .height = 16384, .bits = 16, .rows = {0}}.bytes()),
               HasSubstr("more pixels than it can"));
-  EXPECT_THAT(fault_of(Png{.width = 0, .height = 5, .rows = {0}}.bytes()), HasSubstr("0 x 5 pixels"));
+  EXPECT_THAT(fault_of(Png{.width = 0, .height = 5, .rows = {0}}.bytes()), HasSubstr("width is zero"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2}}.bytes()),
-              HasSubstr("cannot be inflated"));
-  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2, 3, 4}}.bytes()), HasSubstr("inflated"));
+              HasSubstr("Not enough"));
+  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2, 3, 4}}.bytes()), HasSubstr("Too much"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {9, 1, 2, 3}}.bytes()),
-              HasSubstr("unknown filter"));
+              HasSubstr("filter"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .bits = 7, .rows = {9, 1, 2, 3}}.bytes()),
-              HasSubstr("7 bits"));
+              HasSubstr("bit depth"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .type = 5, .rows = {9, 1, 2, 3}}.bytes()),
-              HasSubstr("type 5"));
+              HasSubstr("color type"));
 }
 
 TEST(PngDecoder, RefusesAnyChangedByteAndAnyCut) {
