@@ -60,6 +60,14 @@ TEST(TextTest, PrintableEscapesWhatATerminalWouldTakeForACommand) {
       << "turns the direction of writing";
 }
 
+TEST(TextTest, PrintableEscapesCharactersThatNobodySees) {
+  EXPECT_EQ(printable("\xEE\x80\x80"), "\\u{e000}") << "of private use";
+  EXPECT_EQ(printable("\xCD\xB8"), "\\u{378}") << "not assigned";
+  EXPECT_EQ(printable("\xE2\x80\x8B"), "\\u{200b}") << "a blank without width";
+  EXPECT_EQ(printable("\xEF\xBB\xBF"), "\\u{feff}") << "the mark of a byte order";
+  EXPECT_EQ(printable("\xF3\xA0\x81\x81"), "\\u{e0041}") << "a tag";
+}
+
 TEST(TextTest, PrintableEscapesBytesThatAreNoUtf8) {
   EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
   EXPECT_EQ(printable("\xC3"), "\\xc3") << "cut short";

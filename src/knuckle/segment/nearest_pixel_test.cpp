@@ -2,6 +2,7 @@
 #include "knuckle/segment/nearest_pixel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -86,6 +87,32 @@ TEST(NearestPixel, IgnoresStrayPixelsInEmptySpace) {
     for (int column = 15; column < 20; ++column) depth(column, row) = 500.0f;
   }
   EXPECT_EQ(nearest_pixel(depth)->depth_mm, 500.0f);
+}
+
+TEST(NearestPixel, AMedianNeedsMoreThanHalfOfItsWindow) {
+  Image<float> depth(40, 30);
+  for (int i = 0; i < 12; ++i) depth(18 + i % 5, 12 + i / 5) = 500.0f;
+  EXPECT_EQ(median_depth(depth, 20, 14), 0.0f) << "12 of 25 are measured";
+  EXPECT_FALSE(nearest_pixel(depth));
+  depth(20, 14) = 480.0f;
+  EXPECT_EQ(median_depth(depth, 20, 14), 500.0f);
+  ASSERT_TRUE(nearest_pixel(depth));
+  EXPECT_EQ(nearest_pixel(depth)->depth_mm, 500.0f);
+}
+
+TEST(NearestPixel, ARowOfManyCandidatesIsSearchedLikeOthers) {
+  // A noisy wall with holes: most windows have some pixels below any bound.
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    Image<float> depth(200, 60);
+    for (float& pixel : depth.pixels()) {
+      const double noisy = std::round(600.0 + 4.0 * random.normal());
+      pixel = random.uniform() < 0.2 ? 0.0f : static_cast<float>(noisy);
+    }
+    const std::optional<NearestPixel> nearest = nearest_pixel(depth);
+    ASSERT_TRUE(nearest);
+    EXPECT_EQ(nearest->depth_mm, smallest_measured(filtered(depth)));
+  }
 }
 
 TEST(NearestPixel, TakesNotANumberInfinityAndNegativesForNoMeasurement) {
