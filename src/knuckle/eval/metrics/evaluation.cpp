@@ -41,7 +41,9 @@ Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods)
   Evaluation evaluation{truth.sequence.origin, truth.sequence.convention, {}};
   evaluation.methods.resize(methods.size());
   parallel_for(static_cast<std::int64_t>(methods.size()), [&](std::int64_t i) {
-    evaluation.methods[i] = score(joint_errors(truth, methods[i]), methods[i].name);
+    MethodScore& scored = evaluation.methods[static_cast<std::size_t>(i)];
+    scored = score(joint_errors(truth, methods[i]), methods[i].name);
+    scored.motion = motion_score(truth, methods[i]);
   });
   return evaluation;
 }
@@ -80,6 +82,7 @@ Truth truth_from_source(const FrameSource& source, const std::string& name) {
     truth.sequence.poses.push_back(label.truth ? std::move(*label.truth) : HandPose::missing(*convention));
     truth.projections.emplace_back(label.camera);
     truth.sides.push_back(label.side);
+    truth.sequences.push_back(label.sequence);
   }
   merge_equal_projections(truth.projections);
   return truth;

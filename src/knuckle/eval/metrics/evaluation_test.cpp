@@ -150,7 +150,14 @@ TEST(ScoreFiles, JsonHasTheAgreedKeys) {
   for (const auto& item : method.items()) keys.push_back(item.key());
   EXPECT_THAT(keys, ::testing::UnorderedElementsAre("name", "frames", "missing", "joints", "mean_3d_mm",
                                                     "median_3d_mm", "mean_2d_px", "per_joint_3d_mm",
-                                                    "frames_all_joints_within", "auc_pck_0_50"));
+                                                    "frames_all_joints_within", "auc_pck_0_50", "motion"));
+  keys.clear();
+  for (const auto& item : method["motion"].items()) keys.push_back(item.key());
+  EXPECT_THAT(keys, ::testing::UnorderedElementsAre("frames", "acceleration_mm", "true_acceleration_mm",
+                                                    "acceleration_error_mm", "lag_frames", "jitter_mm",
+                                                    "worst_jitter_mm", "bone_deviation"));
+  EXPECT_EQ(method["motion"]["frames"], 6);
+  EXPECT_TRUE(json["methods"][1]["motion"]["acceleration_mm"].is_null());
   EXPECT_EQ(method["name"], "x");
   EXPECT_EQ(method["frames"], 8);
   EXPECT_EQ(method["joints"].size(), 20u);
@@ -166,9 +173,18 @@ TEST(ScoreFiles, CsvQuotesNamesWithSeparators) {
   const Truth truth = example_truth(3);
   const Evaluation evaluation = evaluate(truth, {example_predictions(truth, "a,\"b\"", 2.0)});
   EXPECT_THAT(joints_csv(evaluation), HasSubstr("\n\"a,\"\"b\"\"\",palm,3,"));
+  EXPECT_THAT(frames_csv(evaluation), HasSubstr("\n\"a,\"\"b\"\"\",2,"));
   const std::string curves = curves_csv(evaluation);
   EXPECT_EQ(std::ranges::count(curves, '\n'), 1 + 81);
   EXPECT_THAT(curves, HasSubstr(",80,1.000000,1.000000,1.000000\n"));
+}
+
+TEST(ScoreFiles, FramesWithoutPredictionHaveEmptyErrors) {
+  const Truth truth = example_truth(2);
+  Predictions half = example_predictions(truth, "half", 0.0);
+  half.sequence.poses[1] = HandPose::missing(half.sequence.convention);
+  EXPECT_EQ(frames_csv(evaluate(truth, {half})),
+            "method,frame,mean_3d_mm,largest_3d_mm\nhalf,0,0.0000,0.0000\nhalf,1,,\n");
 }
 
 }  // namespace

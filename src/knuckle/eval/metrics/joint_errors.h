@@ -17,6 +17,7 @@ struct Truth {
   PoseSequence sequence;                ///< joints may be missing: those are left out of every measure
   std::vector<Projection> projections;  ///< one per frame, or a single one for all frames
   std::vector<std::optional<HandSide>> sides = {};  ///< one per frame, or none where no frame knows its own
+  std::vector<int> sequences = {};  ///< of each frame, as in Frame; none: all are of one sequence
 
   const Projection& projection(std::int64_t frame) const {
     return projections[projections.size() == 1 ? 0 : static_cast<std::size_t>(frame)];

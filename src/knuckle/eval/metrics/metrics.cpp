@@ -116,6 +116,7 @@ MethodScore score(const JointErrors& errors, const std::string& name) {
     result.frames_all_joints_within[i] = curves.all_joints_within[kTableThresholdsMm[i]];
   }
   result.frame_mean_3d_mm = frames.mean;
+  result.frame_largest_3d_mm = frames.largest;
   return result;
 }
 

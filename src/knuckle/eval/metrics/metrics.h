@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knuckle/eval/metrics/joint_errors.h"
+#include "knuckle/eval/metrics/motion.h"
 
 namespace knuckle {
 
@@ -60,6 +61,8 @@ struct MethodScore {
   ErrorCurves curves;
   std::vector<double>
       frame_mean_3d_mm;  ///< one per frame; infinite where missing, NaN where the frame has no truth
+  std::vector<double> frame_largest_3d_mm;  ///< of its worst joint, likewise
+  MotionScore motion;                       ///< from frame to frame; set by `evaluate`
 };
 
 /// All measures of one method.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/metrics/score_files.h"
 
+#include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -10,6 +11,18 @@ namespace knuckle {
 namespace {
 
 using nlohmann::ordered_json;
+
+/// Numbers that are not known become null.
+ordered_json motion_json(const MotionScore& motion) {
+  return {{"frames", motion.frames},
+          {"acceleration_mm", motion.acceleration_mm},
+          {"true_acceleration_mm", motion.true_acceleration_mm},
+          {"acceleration_error_mm", motion.acceleration_error_mm},
+          {"lag_frames", motion.lag_frames},
+          {"jitter_mm", motion.jitter_mm},
+          {"worst_jitter_mm", motion.worst_jitter_mm},
+          {"bone_deviation", motion.bone_deviation}};
+}
 
 ordered_json method_json(const MethodScore& method) {
   ordered_json joints = ordered_json::array();
@@ -31,7 +44,8 @@ ordered_json method_json(const MethodScore& method) {
           {"mean_2d_px", method.mean_2d_px},
           {"per_joint_3d_mm", per_joint},
           {"frames_all_joints_within", within},
-          {"auc_pck_0_50", method.auc_pck_0_50}};
+          {"auc_pck_0_50", method.auc_pck_0_50},
+          {"motion", motion_json(method.motion)}};
 }
 
 ordered_json segmentation_json(const SegmentationScore& score) {
@@ -99,6 +113,18 @@ std::string joints_csv(const Evaluation& evaluation) {
       fmt::format_to(std::back_inserter(text), "{},{},{},{:.4f},{:.4f},{:.4f},{:.4f}\n",
                      csv_field(method.name), name_of(joint.landmark), joint.frames, joint.mean_3d_mm,
                      joint.median_3d_mm, joint.mean_2d_px, joint.median_2d_px);
+    }
+  }
+  return text;
+}
+
+std::string frames_csv(const Evaluation& evaluation) {
+  std::string text = "method,frame,mean_3d_mm,largest_3d_mm\n";
+  const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{:.4f}", value) : ""; };
+  for (const MethodScore& method : evaluation.methods) {
+    for (std::size_t i = 0; i < method.frame_mean_3d_mm.size(); ++i) {
+      fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", csv_field(method.name), i,
+                     number(method.frame_mean_3d_mm[i]), number(method.frame_largest_3d_mm[i]));
     }
   }
   return text;

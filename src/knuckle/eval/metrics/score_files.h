@@ -10,7 +10,7 @@
 
 namespace knuckle {
 
-/// The scores as JSON (the keys of DESIGN.md, section 4); a number that is not known is null.
+/// The scores as JSON, motion from frame to frame included; a number that is not known is null.
 std::string to_json(const Evaluation& evaluation);
 
 /// The same with what is known of segmentation, under `segmentation`: name, frames, missing, mean_iou,
@@ -30,5 +30,9 @@ std::string curves_csv(const Evaluation& evaluation);
 /// The errors joint by joint as CSV: method, joint, frames, mean_3d_mm, median_3d_mm, mean_2d_px,
 /// median_2d_px.
 std::string joints_csv(const Evaluation& evaluation);
+
+/// The errors frame by frame as CSV: method, frame (the first is 0), mean_3d_mm, largest_3d_mm; empty where there is no
+/// truth or no complete prediction.
+std::string frames_csv(const Evaluation& evaluation);
 
 }  // namespace knuckle

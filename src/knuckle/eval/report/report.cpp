@@ -25,6 +25,7 @@ void write_scores(const Report& report, const std::filesystem::path& folder) {
   if (report.evaluation) {
     write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));
     write_text_file(folder / "joints.csv", joints_csv(*report.evaluation));
+    write_text_file(folder / "frames.csv", frames_csv(*report.evaluation));
   }
   if (!report.segmentation.empty()) {
     write_text_file(folder / "overlaps.csv", overlaps_csv(report.segmentation));
@@ -45,7 +46,10 @@ std::vector<DrawnFigure> drawn(const std::vector<Figure>& figures, const std::fi
 
 std::string report_html(const Report& report, const ReportFigures& figures) {
   std::string html = head_section(report);
-  if (report.evaluation) html += score_section(*report.evaluation) + landmark_section(*report.evaluation);
+  if (report.evaluation) {
+    html += score_section(*report.evaluation) + motion_section(*report.evaluation) +
+            landmark_section(*report.evaluation);
+  }
   if (!report.segmentation.empty()) html += segmentation_section(report.segmentation, figures.segmentation);
   if (!figures.poses.empty()) html += figure_section(figures.poses);
   if (report.evaluation) html += joint_section(*report.evaluation);

@@ -165,6 +165,26 @@ std::string score_section(const Evaluation& evaluation) {
   return "<h2>Scores</h2>\n" + number_table("method", method_heads(methods), columns);
 }
 
+std::string motion_section(const Evaluation& evaluation) {
+  const std::vector<MethodScore>& methods = evaluation.methods;
+  const auto moves = [](const MethodScore& method) { return method.motion.frames > 0; };
+  if (std::ranges::none_of(methods, moves)) return {};
+  const Better lower = compare_the_same(evaluation) ? Better::lower : Better::neither;
+  const auto of = [&](std::string head, double MotionScore::* value, double factor, int digits, Better better) {
+    const auto scaled = [=](const MethodScore& method) { return factor * (method.motion.*value); };
+    return column(std::move(head), methods, scaled, digits, better);
+  };
+  return "<h2>Motion</h2>\n" +
+         number_table("method", method_heads(methods),
+                      {of("acceleration<br>(mm/frame&sup2;)", &MotionScore::acceleration_mm, 1, 2, lower),
+                       of("of the truth", &MotionScore::true_acceleration_mm, 1, 2, Better::neither),
+                       of("its error", &MotionScore::acceleration_error_mm, 1, 2, lower),
+                       of("lag<br>(frames)", &MotionScore::lag_frames, 1, 2, Better::neither),
+                       of("jitter of a<br>still hand (mm)", &MotionScore::jitter_mm, 1, 2, lower),
+                       of("of its worst<br>joint (mm)", &MotionScore::worst_jitter_mm, 1, 2, lower),
+                       of("bones&rsquo; lengths<br>differ by (%)", &MotionScore::bone_deviation, 100, 2, lower)});
+}
+
 std::string landmark_section(const Evaluation& evaluation) {
   std::string html = "<h2>Landmarks compared</h2>\n";
   const bool is_same = compare_the_same(evaluation);
@@ -271,6 +291,8 @@ are of all frames with truth.</li>
 <li>A joint that the truth does not know is left out.</li>
 <li><em>All joints &le; D</em>: fraction of frames whose worst joint is at most D off. <em>PCK</em>: fraction of joints
 at most D off; its area from 0 to 50 mm is 1 for a perfect method.</li>
+<li><em>Acceleration</em>: mean length of the second differences of joints from frame to frame; a method that trembles has more than
+the truth. <em>Lag</em>: the shift at which estimates fit the truth best; below 0: early.</li>
 </ul>
 )html";
 }

@@ -39,6 +39,9 @@ std::string table_section(const ReportTable& shown);
 /// Methods x measures, the best of each measure in bold.
 std::string score_section(const Evaluation& evaluation);
 
+/// How estimates move from frame to frame; empty where no frames follow each other.
+std::string motion_section(const Evaluation& evaluation);
+
 /// Which landmarks were compared, and which were dropped.
 std::string landmark_section(const Evaluation& evaluation);
 
