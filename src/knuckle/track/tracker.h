@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/frame.h"
+#include "knuckle/core/options.h"
+#include "knuckle/hand/skeleton_fit.h"
+#include "knuckle/pipeline/pipeline.h"
+#include "knuckle/track/pose_smoother.h"
+
+namespace knuckle {
+
+/// The `[tracker]` table of a pipeline file.
+struct TrackerOptions {
+  std::string smoothing = "one_euro";  ///< none | one_euro, on angles and wrist
+  double strength = 1.0;      ///< of the smoothing: divides all cutoffs, [0.01, 100]; 0.5 weak, 2 strong
+  int max_hands = 0;          ///< hands that are followed, [0, 16]; 0: as many as the pipeline finds
+  double search_every_s = 0.5;  ///< how often more hands are looked for while some are followed, [0, 3600] [s]
+  double lost_after_s = 0.1;  ///< a hand that was not seen for longer is forgotten, [0, 3600] [s]
+  double learn_s = 1.0;       ///< for so long a person's size is learned, then kept, [0, 3600] [s]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// One hand that is followed.
+struct TrackedHand {
+  int id = 0;                         ///< from 1 on, never used again until `reset`
+  HandSide side = HandSide::right;
+  HandPose pose;                      ///< in the image; its landmarks are the skeleton's, bones never change their length
+  double score = 0.0;                 ///< of the estimate that the fit began with, [0, 1]
+  HandAngles angles;                  ///< smoothed
+  RigidTransform camera_from_hand = RigidTransform::Identity();  ///< of a right hand in the mirror, where it is a left one
+  double size = 1.0;                  ///< of the skeleton, against an adult's
+  std::string skeleton = "adult";     ///< its name
+};
+
+/// Follows hands from frame to frame: identities, sides, and a skeleton of constant bones fitted to each estimate.
+///
+/// A hand is looked for where it was, moved by its velocity; all of the frame is searched only where a hand is missing,
+/// and now and then for new ones. A skeleton is fitted to the estimated landmarks from where it was in the last frame; its
+/// size is learned over the first second. The result is smoothed.
+///
+/// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes back, stands
+/// still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten: ids go on, though.
+/// Called by one thread at a time: a second one gets an Error. The pipeline has to live as long.
+class Tracker {
+ public:
+  /// Throws an Error where an option is out of range.
+  Tracker(const Pipeline& pipeline, const TrackerOptions& options);
+  ~Tracker();
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
+
+  /// The hands in the next frame, in the order of their ids. Throws an Error where the time is not finite, or two
+  /// threads call at once.
+  std::vector<TrackedHand> update(const Frame& frame);
+  /// Begins anew, with id 1.
+  void reset();
+
+ private:
+  struct Track;
+
+  void step_to(const Frame& frame);
+  void follow(const Frame& frame);
+  void look_for_more(const Frame& frame);
+  bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
+  void forget_lost_and_doubled();
+  bool is_taken(const Point3& centre) const;
+  std::vector<TrackedHand> hands_seen(const Frame& frame) const;
+
+  const Pipeline& pipeline_;
+  TrackerOptions options_;
+  std::vector<Track> tracks_;
+  int next_id_ = 1;
+  std::optional<double> now_s_;       // of the last frame
+  std::optional<double> searched_s_;  // when all of a frame was searched last
+  int sequence_ = 0;
+  std::atomic_flag is_busy_ = ATOMIC_FLAG_INIT;
+};
+
+}  // namespace knuckle
