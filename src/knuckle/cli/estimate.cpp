@@ -14,6 +14,7 @@
 #include "knuckle/prepare/source_fingerprint.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/track/track_each.h"
 
 namespace knuckle::cli {
 namespace {
@@ -51,6 +52,7 @@ EstimateFiles files_of(const EstimateArguments& arguments, const Pipeline& pipel
   files.start = start_from_name(arguments.init);
   files.begin = arguments.resume ? where_it_stopped : anew;
   files.identity = identity_of(arguments, pipeline, files);
+  if (pipeline.tracker()) files.run = track_each;
   files.finish = [&] { write_resolved_options(arguments.out, pipeline.resolved_options()); };
   return files;
 }

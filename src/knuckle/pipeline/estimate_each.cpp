@@ -15,10 +15,6 @@ namespace {
 constexpr int kFramesPerThread = 4;
 constexpr int kMostInFlight = 65536;
 
-int frames_in_flight(const RunOptions& options) {
-  return options.frames_in_flight > 0 ? options.frames_in_flight : kFramesPerThread * thread_count();
-}
-
 FrameResult result_of(std::int64_t index, const Frame& frame, const Pipeline& pipeline,
                       const RunOptions& options) {
   const Search search{.start = start_in(frame, options.start), .max_hands = pipeline.hand().max_hands};
@@ -61,17 +57,25 @@ FrameResult result_of(const FrameSource& source, std::int64_t index, const Pipel
   try {
     frame = source.read(index);
   } catch (const Error& error) {
-    const FrameLabel label = source.read_label(index);
-    FrameResult result = unreadable(index, error.what());
-    result.name = label.name;
-    result.time_s = label.time_s;
-    result.camera = label.camera;
-    return result;
+    return unreadable_frame(source, index, error.what());
   }
   return result_of(index, frame, pipeline, options);
 }
 
 }  // namespace
+
+FrameResult unreadable_frame(const FrameSource& source, std::int64_t index, std::string fault) {
+  const FrameLabel label = source.read_label(index);
+  FrameResult result = unreadable(index, std::move(fault));
+  result.name = label.name;
+  result.time_s = label.time_s;
+  result.camera = label.camera;
+  return result;
+}
+
+int RunOptions::most_in_flight() const {
+  return frames_in_flight > 0 ? frames_in_flight : kFramesPerThread * thread_count();
+}
 
 void RunOptions::check() const {
   if (first < 0) fail("first is {}, expected at least 0", first);
@@ -95,7 +99,7 @@ void estimate_each(FrameStream& stream, const Pipeline& pipeline, const RunOptio
       return delivery_of(std::move(result), take);
     };
   };
-  run_in_order(next, frames_in_flight(options));
+  run_in_order(next, options.most_in_flight());
 }
 
 void estimate_each(const FrameSource& source, const Pipeline& pipeline, const RunOptions& options,
@@ -109,7 +113,7 @@ void estimate_each(const FrameSource& source, const Pipeline& pipeline, const Ru
     if (index == source.size()) return {};
     return [&, number = index++] { return delivery_of(result_of(source, number, pipeline, options), take); };
   };
-  run_in_order(next, frames_in_flight(options));
+  run_in_order(next, options.most_in_flight());
 }
 
 }  // namespace knuckle

@@ -36,6 +36,8 @@ struct RunOptions {
   int frames_in_flight = 0;
   RunWarnings* warnings = nullptr;  ///< takes note of each frame that can be read; null: nobody does
 
+  /// `frames_in_flight`, or what stands for 0.
+  int most_in_flight() const;
   /// Throws an Error that names the field that is out of range.
   void check() const;
 };
@@ -56,5 +58,8 @@ void estimate_each(FrameStream& stream, const Pipeline& pipeline, const RunOptio
 /// whose labels are wrong is refused as a whole: an Error of `FrameSource::read_label` is thrown on.
 void estimate_each(const FrameSource& source, const Pipeline& pipeline, const RunOptions& options,
                    const TakeResult& take);
+
+/// The result of a frame that cannot be read, with the reason.
+FrameResult unreadable_frame(const FrameSource& source, std::int64_t index, std::string fault);
 
 }  // namespace knuckle

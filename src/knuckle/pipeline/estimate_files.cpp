@@ -130,7 +130,7 @@ EstimateRunReport estimate_to_files(const FrameSource& source, const Pipeline& p
   try {
     Progress progress("estimate", "frames", source.size(), growing.size());
     const RunOptions options{.start = files.start, .first = growing.size(), .warnings = files.warnings};
-    estimate_each(source, pipeline, options, [&](const FrameResult& result) {
+    files.run(source, pipeline, options, [&](const FrameResult& result) {
       growing.append(pieces_of(result, files, pipeline, origin),
                      note_as_line(note_of(result.estimate, result.fault)));
       if (result.fault.empty()) report.durations.add(result.estimate.times);

@@ -56,6 +56,7 @@ PipelineParts parts_from(const OptionTable& document) {
   PipelineParts parts{HandFinder(document, defaults), std::move(estimator)};
   check_patch_options(document, *parts.estimator);
   for (const OptionTable& table : document.tables("refine")) parts.refiners.push_back(create_refiner(table));
+  if (document.has("tracker")) document.table("tracker").read(parts.tracker.emplace());
   return parts;
 }
 
@@ -99,11 +100,13 @@ HandEstimate mirrored_back(HandEstimate hand, int width) {
 Pipeline::Pipeline(PipelineParts parts)
     : finder_(std::move(parts.finder)),
       estimator_(std::move(parts.estimator)),
-      refiners_(std::move(parts.refiners)) {
+      refiners_(std::move(parts.refiners)),
+      tracker_(std::move(parts.tracker)) {
   if (!estimator_) fail("a pipeline was to be made without an estimator");
   if (!std::ranges::all_of(refiners_, [](const auto& refiner) { return refiner != nullptr; })) {
     fail("one of the pipeline's refiners is missing");
   }
+  if (tracker_) check_options(*tracker_, "tracker");
 }
 
 Pipeline Pipeline::load(const std::filesystem::path& path) {
@@ -116,6 +119,7 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
 
 void Pipeline::use_landmarks(const LandmarkDefinition& definition) {
   require_all_landmarks(estimator_->convention(), "the pipeline's model");
+  if (tracker_) fail("a pipeline with a tracker gives the landmarks of its skeleton; move them with `evaluate --landmarks`");
   landmarks_ = definition;
 }
 

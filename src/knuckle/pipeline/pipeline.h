@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "knuckle/estimate/estimator.h"
+#include "knuckle/hand/hand_angles.h"
 #include "knuckle/hand/landmark_definition.h"
 #include "knuckle/pipeline/hand_finder.h"
+#include "knuckle/pipeline/tracker_options.h"
 #include "knuckle/refine/refiner.h"
 
 namespace knuckle {
@@ -35,6 +37,9 @@ struct HandEstimate {
   HandSide side = HandSide::right;  ///< as which it was looked at (`HandOptions::side`)
   /// How likely the hand is of that side, as the estimator sees it, [0, 1]; nothing: it cannot tell.
   std::optional<double> side_confidence = {};
+  int id = 0;  ///< of a hand that is followed from frame to frame, from 1 on; 0: it is not
+  std::optional<HandAngles> angles = {};  ///< of the skeleton that was fitted to it
+  std::string skeleton = {};              ///< its name; empty where none was
 };
 
 /// The status of a frame in which a start was given and the pose found there is not sure.
@@ -61,6 +66,7 @@ struct PipelineParts {
   HandFinder finder;
   std::unique_ptr<Estimator> estimator;
   std::vector<std::unique_ptr<Refiner>> refiners = {};  ///< in the order in which they work; none is fine
+  std::optional<TrackerOptions> tracker = {};           ///< nothing: frames are seen by themselves
 };
 
 /// The paper's framework (its Figure 1): segment, crop, estimate, refine.
@@ -76,13 +82,17 @@ class Pipeline {
 
   /// From now on poses have the landmarks of that definition in place of the model's: what comes out of the last
   /// stage is moved to where a data set's authors label. Throws an Error where the model's convention lacks one of
-  /// the 22 landmarks. Not to be called while other threads use the pipeline.
+  /// the 22 landmarks, or the pipeline has a tracker, which needs them as they are. Not to be called while other threads use the pipeline.
   void use_landmarks(const LandmarkDefinition& definition);
 
   /// The convention of all poses: that of `use_landmarks`, else the model's.
   Convention convention() const { return landmarks_ ? landmarks_->convention : estimator_->convention(); }
 
   const HandOptions& hand() const { return finder_.hand(); }
+
+  /// Whether and how hands are to be followed: the table `[tracker]`. The pipeline itself sees single frames; who runs
+  /// it over a sequence looks here (`track_each`).
+  const std::optional<TrackerOptions>& tracker() const { return tracker_; }
 
   /// The pipeline file with all defaults filled in; empty where there was no file.
   const std::string& resolved_options() const { return resolved_options_; }
@@ -119,6 +129,7 @@ class Pipeline {
   std::unique_ptr<Estimator> estimator_;
   std::vector<std::unique_ptr<Refiner>> refiners_;
   std::optional<LandmarkDefinition> landmarks_;
+  std::optional<TrackerOptions> tracker_;
 };
 
 }  // namespace knuckle

@@ -15,9 +15,14 @@ FrameRecord record_of(const FrameResult& result, PixelOrigin origin) {
   const Projection projection(result.camera);
   for (const HandEstimate& estimate : result.estimate.hands) {
     HandRecord hand = hand_record(estimate.pose, projection, origin);
-    hand.id = static_cast<int>(record.hands.size()) + 1;
+    hand.id = estimate.id > 0 ? estimate.id : static_cast<int>(record.hands.size()) + 1;
     hand.side = estimate.side;
     hand.score = estimate.score;
+    hand.skeleton = estimate.skeleton;
+    for (int i = 0; estimate.angles && i < kHandAngleCount; ++i) {
+      const auto angle = static_cast<HandAngle>(i);
+      hand.angles_rad.emplace_back(name_of(angle), (*estimate.angles)[angle]);
+    }
     record.hands.push_back(std::move(hand));
   }
   return record;

@@ -2,7 +2,6 @@
 #include "knuckle/track/tracker.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "knuckle/camera/projection.h"
@@ -70,16 +69,6 @@ class Turnstile {
 };
 
 }  // namespace
-
-void TrackerOptions::visit(OptionVisitor& visitor) {
-  static constexpr std::array<std::string_view, 2> kSmoothings{"none", "one_euro"};
-  visitor.choice("smoothing", smoothing, kSmoothings);
-  visitor.real("strength", strength, closed(0.01, 100));
-  visitor.integer("max_hands", max_hands, closed(0, 16));
-  visitor.real("search_every_s", search_every_s, closed(0, 3600));
-  visitor.real("lost_after_s", lost_after_s, closed(0, 3600));
-  visitor.real("learn_s", learn_s, closed(0, 3600));
-}
 
 /// A hand that is followed, as a right one: a left one in a mirror.
 struct Tracker::Track {
@@ -158,7 +147,7 @@ void Tracker::follow(const Frame& frame) {
 }
 
 void Tracker::look_for_more(const Frame& frame) {
-  const int most = options_.max_hands > 0 ? options_.max_hands : pipeline_.hand().max_hands;
+  const int most = pipeline_.hand().max_hands;
   const auto seen = std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
   const bool is_lost = std::ssize(tracks_) > seen || tracks_.empty();
   const bool is_due = !searched_s_ || *now_s_ - *searched_s_ >= options_.search_every_s;

@@ -8,24 +8,12 @@
 #include <vector>
 
 #include "knuckle/core/frame.h"
-#include "knuckle/core/options.h"
 #include "knuckle/hand/skeleton_fit.h"
 #include "knuckle/pipeline/pipeline.h"
+#include "knuckle/pipeline/tracker_options.h"
 #include "knuckle/track/pose_smoother.h"
 
 namespace knuckle {
-
-/// The `[tracker]` table of a pipeline file.
-struct TrackerOptions {
-  std::string smoothing = "one_euro";  ///< none | one_euro, on angles and wrist
-  double strength = 1.0;      ///< of the smoothing: divides all cutoffs, [0.01, 100]; 0.5 weak, 2 strong
-  int max_hands = 0;          ///< hands that are followed, [0, 16]; 0: as many as the pipeline finds
-  double search_every_s = 0.5;  ///< how often more hands are looked for while some are followed, [0, 3600] [s]
-  double lost_after_s = 0.1;  ///< a hand that was not seen for longer is forgotten, [0, 3600] [s]
-  double learn_s = 1.0;       ///< for so long a person's size is learned, then kept, [0, 3600] [s]
-
-  void visit(OptionVisitor& visitor);
-};
 
 /// One hand that is followed.
 struct TrackedHand {
