@@ -2,6 +2,8 @@
 // The verbs as a user types them.
 #include "program.h"
 
+#include <sstream>
+
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/text_file.h"
@@ -322,6 +324,33 @@ TEST_F(VerbsTest, LandmarksThatAreLabelledElsewhereAreLearnedAndApplied) {
               Succeeded());
   EXPECT_NEAR(mean_error_mm(path("moved.json")), mean_error_mm(path("moved_later.json")), 0.002);
   EXPECT_GT(std::abs(mean_error_mm(path("moved.json")) - mean_error_mm(path("plain.json"))), 0.002) << "moved";
+}
+
+TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {
+  const std::string source = "synthetic:manifests/test_creative.toml?count=40";
+  ASSERT_THAT(run_program({"estimate", "--source", source, "--out", path("single.txt")}), Succeeded());
+  ASSERT_THAT(run_program({"estimate", "--source", source, "--pipeline", "pipelines/track.toml", "--out",
+                           path("followed.txt"), "--records", path("followed.jsonl")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"evaluate", "--truth", source, "--predictions", "single=" + path("single.txt"),
+                           "followed=" + path("followed.txt"), "--json", path("both.json")}),
+              Succeeded());
+  const auto methods = nlohmann::json::parse(read_text_file(path("both.json")))["methods"];
+  EXPECT_LT(methods[1]["motion"]["acceleration_mm"], 0.8 * methods[0]["motion"]["acceleration_mm"].get<double>());
+  EXPECT_LT(methods[1]["motion"]["bone_deviation"], 0.02);
+  EXPECT_LT(methods[1]["mean_3d_mm"], 1.3 * methods[0]["mean_3d_mm"].get<double>());
+  std::istringstream lines(read_text_file(path("followed.jsonl")));
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const auto hand = nlohmann::json::parse(line)["hands"].at(0);
+    EXPECT_EQ(hand["id"], 1);
+    EXPECT_EQ(hand["skeleton"], "adult");
+    EXPECT_EQ(hand["angles_rad"].size(), 22u);
+  }
+  EXPECT_EQ(count, 40);
+  EXPECT_THAT(run_program({"estimate", "--source", source, "--pipeline", "pipelines/track.toml", "--init", "truth",
+                           "--out", path("p.txt")}),
+              FailedWith("--init truth"));
 }
 
 TEST_F(VerbsTest, LandmarksSayWhatIsWrong) {
