@@ -310,20 +310,21 @@ TEST_F(VerbsTest, LandmarksThatAreLabelledElsewhereAreLearnedAndApplied) {
   ASSERT_THAT(run_program({"landmarks", "--source", fitted, "--out", path("marks.toml")}), Succeeded());
   ASSERT_THAT(run_program({"estimate", "--source", held_out, "--init", "truth", "--out", path("plain.txt")}),
               Succeeded());
-  ASSERT_THAT(run_program({"estimate", "--source", held_out, "--init", "truth", "--landmarks", path("marks.toml"),
-                           "--out", path("moved.txt"), "--records", path("moved.jsonl")}),
+  ASSERT_THAT(run_program({"estimate", "--source", held_out, "--init", "truth", "--landmarks",
+                           path("marks.toml"), "--out", path("moved.txt"), "--records", path("moved.jsonl")}),
               Succeeded());
-  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"), "--landmarks",
-                           path("marks.toml"), "--json", path("moved_later.json")}),
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"),
+                           "--landmarks", path("marks.toml"), "--json", path("moved_later.json")}),
               Succeeded());
-  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("moved.txt"), "--json",
-                           path("moved.json")}),
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("moved.txt"),
+                           "--json", path("moved.json")}),
               Succeeded());
-  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"), "--json",
-                           path("plain.json")}),
+  ASSERT_THAT(run_program({"evaluate", "--truth", held_out, "--predictions", "m=" + path("plain.txt"),
+                           "--json", path("plain.json")}),
               Succeeded());
   EXPECT_NEAR(mean_error_mm(path("moved.json")), mean_error_mm(path("moved_later.json")), 0.002);
-  EXPECT_GT(std::abs(mean_error_mm(path("moved.json")) - mean_error_mm(path("plain.json"))), 0.002) << "moved";
+  EXPECT_GT(std::abs(mean_error_mm(path("moved.json")) - mean_error_mm(path("plain.json"))), 0.002)
+      << "moved";
 }
 
 TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {
@@ -336,7 +337,8 @@ TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {
                            "followed=" + path("followed.txt"), "--json", path("both.json")}),
               Succeeded());
   const auto methods = nlohmann::json::parse(read_text_file(path("both.json")))["methods"];
-  EXPECT_LT(methods[1]["motion"]["acceleration_mm"], 0.8 * methods[0]["motion"]["acceleration_mm"].get<double>());
+  EXPECT_LT(methods[1]["motion"]["acceleration_mm"],
+            0.8 * methods[0]["motion"]["acceleration_mm"].get<double>());
   EXPECT_LT(methods[1]["motion"]["bone_deviation"], 0.02);
   EXPECT_LT(methods[1]["mean_3d_mm"], 1.3 * methods[0]["mean_3d_mm"].get<double>());
   std::istringstream lines(read_text_file(path("followed.jsonl")));
@@ -348,8 +350,8 @@ TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {
     EXPECT_EQ(hand["angles_rad"].size(), 22u);
   }
   EXPECT_EQ(count, 40);
-  EXPECT_THAT(run_program({"estimate", "--source", source, "--pipeline", "pipelines/track.toml", "--init", "truth",
-                           "--out", path("p.txt")}),
+  EXPECT_THAT(run_program({"estimate", "--source", source, "--pipeline", "pipelines/track.toml", "--init",
+                           "truth", "--out", path("p.txt")}),
               FailedWith("--init truth"));
 }
 
@@ -359,11 +361,13 @@ TEST_F(VerbsTest, LandmarksSayWhatIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(path("marks.toml")));
   EXPECT_THAT(run_program({"landmarks", "--source", kDemoSource, "--out", path("none/marks.toml")}),
               FailedWith("none/marks.toml"));
-  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("no.toml"), "--out", path("p.txt")}),
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("no.toml"), "--out",
+                           path("p.txt")}),
               FailedWith("no.toml"));
   write_text_file(path("marks.toml"),
                   "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"icg20\"\n");
-  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("marks.toml"), "--out", path("p.txt")}),
+  EXPECT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("marks.toml"), "--out",
+                           path("p.txt")}),
               FailedWith("lacks the table [palm]"));
   EXPECT_FALSE(std::filesystem::exists(path("p.txt")));
 }

@@ -38,7 +38,8 @@ RunIdentity identity_of(const EstimateArguments& arguments, const Pipeline& pipe
   return {{"version of knuckle", KNUCKLE_VERSION},
           {"source (its settings or files)", source_fingerprint(arguments.source, written)},
           {"pipeline (its options)", text_hash(pipeline.resolved_options())},
-          {"landmarks", arguments.landmarks.empty() ? "the model's" : content_hash(landmarks_file(arguments.landmarks))},
+          {"landmarks",
+           arguments.landmarks.empty() ? "the model's" : content_hash(landmarks_file(arguments.landmarks))},
           {"model", text_hash(Inputs().add_models(arguments.pipeline).text())}};
 }
 

@@ -192,8 +192,9 @@ void add_evaluate(CLI::App& program) {
   verb.add_option("--convention", arguments->convention,
                   "Landmarks of files that do not name theirs; `knuckle info` lists them")
       ->type_name("NAME");
-  add_landmarks_option(verb, arguments->landmarks,
-                       "All predictions are moved to the landmarks of this definition before they are scored");
+  add_landmarks_option(
+      verb, arguments->landmarks,
+      "All predictions are moved to the landmarks of this definition before they are scored");
   verb.add_option("--camera", arguments->camera, "Camera of a truth file [px]; a negative fy: y points up")
       ->type_name("FX,FY,CX,CY");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");

@@ -50,8 +50,8 @@ void print_fit(const LandmarkFit& fit) {
   fmt::print("{:<16} {:>7} {:>10} {:>9} {:>16}   offset along, aside, backwards\n", "landmark", "frames",
              "before mm", "after mm", "cross-validated");
   const auto print_score = [](std::string_view name, const LandmarkFitScore& score) {
-    fmt::print("{:<16} {:>7} {:>10.2f} {:>9.2f} {:>16.2f}", name, score.frames, score.before_mm, score.after_mm,
-               score.validated_mm);
+    fmt::print("{:<16} {:>7} {:>10.2f} {:>9.2f} {:>16.2f}", name, score.frames, score.before_mm,
+               score.after_mm, score.validated_mm);
   };
   for (std::size_t i = 0; i < fit.landmarks.size(); ++i) {
     const Eigen::Vector3d& offset = fit.definition.landmarks[i].offset;
@@ -65,7 +65,8 @@ void print_fit(const LandmarkFit& fit) {
 std::string head_of(const LandmarksArguments& arguments, const LandmarkFit& fit) {
   return fmt::format(
       "# Where the landmarks of {} lie on the hand, fitted by `knuckle landmarks` to {}.\n"
-      "# Mean distance {:.2f} mm before, {:.2f} mm after, {:.2f} mm cross-validated. What the estimates always do wrong\n"
+      "# Mean distance {:.2f} mm before, {:.2f} mm after, {:.2f} mm cross-validated. What the estimates "
+      "always do wrong\n"
       "# is taken in as well. Offsets are in palm lengths (wrist to middle MCP).\n",
       fit.definition.convention.name, printable(arguments.source), fit.all.before_mm, fit.all.after_mm,
       fit.all.validated_mm);
@@ -94,10 +95,11 @@ void run_landmarks(const LandmarksArguments& arguments) {
 }  // namespace
 
 void add_landmarks(CLI::App& program) {
-  CLI::App& verb = add_verb(program, "landmarks", "Fit where a data set's own landmarks lie on the hand",
-                            "knuckle landmarks --source synthetic:manifests/demo.toml --out landmarks.toml\n"
-                            "  knuckle estimate --source synthetic:manifests/demo.toml --landmarks landmarks.toml "
-                            "--out poses.txt");
+  CLI::App& verb =
+      add_verb(program, "landmarks", "Fit where a data set's own landmarks lie on the hand",
+               "knuckle landmarks --source synthetic:manifests/demo.toml --out landmarks.toml\n"
+               "  knuckle estimate --source synthetic:manifests/demo.toml --landmarks landmarks.toml "
+               "--out poses.txt");
   auto arguments = std::make_shared<LandmarksArguments>();
   add_source_option(verb, arguments->source);
   verb.add_option("--pipeline", arguments->pipeline,

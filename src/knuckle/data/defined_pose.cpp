@@ -16,8 +16,8 @@ SupersetPoints superset_points(const HandPose& pose, const Projection& projectio
   return points;
 }
 
-HandPose defined_pose(const LandmarkDefinition& definition, const HandPose& pose, const Projection& projection,
-                      HandSide side) {
+HandPose defined_pose(const LandmarkDefinition& definition, const HandPose& pose,
+                      const Projection& projection, HandSide side) {
   const std::vector<Point3> points = definition.on(superset_points(pose, projection), side);
   HandPose defined = HandPose::missing(definition.convention);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -32,8 +32,8 @@ HandPose defined_pose(const LandmarkDefinition& definition, const HandPose& pose
 void require_all_landmarks(const Convention& convention, std::string_view whose) {
   const ConventionMapping mapping = map_convention(convention, superset_convention());
   if (mapping.missing.empty()) return;
-  fail("{}: its convention, {}, lacks '{}'; where landmarks lie is told from all of {}", whose, convention.name,
-       name_of(mapping.missing.front()), superset_convention().name);
+  fail("{}: its convention, {}, lacks '{}'; where landmarks lie is told from all of {}", whose,
+       convention.name, name_of(mapping.missing.front()), superset_convention().name);
 }
 
 }  // namespace knuckle

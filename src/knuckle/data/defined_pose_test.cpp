@@ -7,8 +7,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 
 Projection some_projection() {
   Camera camera;

@@ -33,8 +33,8 @@ class FrameSource {
   virtual std::int64_t size() const = 0;
   /// Frame `index` in [0, size). Throws an Error that names the file where it cannot be read.
   virtual Frame read(std::int64_t index) const = 0;
-  /// Camera, truth, time, sequence, name and side as `read` gives them. Most sources need not open the images for
-  /// that.
+  /// Camera, truth, time, sequence, name and side as `read` gives them. Most sources need not open the images
+  /// for that.
   virtual FrameLabel read_label(std::int64_t index) const {
     Frame frame = read(index);
     return {frame.camera,   std::move(frame.truth), frame.time_s,

@@ -12,8 +12,8 @@ namespace knuckle {
 
 /// The joints that a method sees in a patch.
 struct PatchPose {
-  std::vector<PatchPoint> joints;  ///< one per landmark of the model's convention
-  std::vector<float> confidence;   ///< one per joint in [0, 1], or empty
+  std::vector<PatchPoint> joints;         ///< one per landmark of the model's convention
+  std::vector<float> confidence;          ///< one per joint in [0, 1], or empty
   std::optional<double> right_hand = {};  ///< how likely it is a right hand, [0, 1]; nothing: it cannot tell
 };
 

@@ -22,30 +22,53 @@ constexpr int kVersion = 1;
 Landmark nearest_of_superset(Landmark landmark) {
   using enum Landmark;
   switch (landmark) {
-    case icvl_thumb_root: return thumb_cmc;
-    case icvl_thumb_mid: return thumb_mcp;
-    case icvl_thumb_tip: return thumb_ip;
-    case icvl_index_root: return index_mcp;
-    case icvl_index_mid: return index_pip;
-    case icvl_index_tip: return index_dip;
-    case icvl_middle_root: return middle_mcp;
-    case icvl_middle_mid: return middle_pip;
-    case icvl_middle_tip: return middle_dip;
-    case icvl_ring_root: return ring_mcp;
-    case icvl_ring_mid: return ring_pip;
-    case icvl_ring_tip: return ring_dip;
-    case icvl_little_root: return little_mcp;
-    case icvl_little_mid: return little_pip;
-    case icvl_little_tip: return little_dip;
-    case nyu_little_base: return little_mcp;
-    case nyu_ring_base: return ring_mcp;
-    case nyu_middle_base: return middle_mcp;
-    case nyu_index_base: return index_mcp;
-    case nyu_thumb_mid: return thumb_ip;
-    case nyu_thumb_base: return thumb_mcp;
+    case icvl_thumb_root:
+      return thumb_cmc;
+    case icvl_thumb_mid:
+      return thumb_mcp;
+    case icvl_thumb_tip:
+      return thumb_ip;
+    case icvl_index_root:
+      return index_mcp;
+    case icvl_index_mid:
+      return index_pip;
+    case icvl_index_tip:
+      return index_dip;
+    case icvl_middle_root:
+      return middle_mcp;
+    case icvl_middle_mid:
+      return middle_pip;
+    case icvl_middle_tip:
+      return middle_dip;
+    case icvl_ring_root:
+      return ring_mcp;
+    case icvl_ring_mid:
+      return ring_pip;
+    case icvl_ring_tip:
+      return ring_dip;
+    case icvl_little_root:
+      return little_mcp;
+    case icvl_little_mid:
+      return little_pip;
+    case icvl_little_tip:
+      return little_dip;
+    case nyu_little_base:
+      return little_mcp;
+    case nyu_ring_base:
+      return ring_mcp;
+    case nyu_middle_base:
+      return middle_mcp;
+    case nyu_index_base:
+      return index_mcp;
+    case nyu_thumb_mid:
+      return thumb_ip;
+    case nyu_thumb_base:
+      return thumb_mcp;
     case nyu_wrist_1:
-    case nyu_wrist_2: return wrist;
-    default: return landmark;
+    case nyu_wrist_2:
+      return wrist;
+    default:
+      return landmark;
   }
 }
 
@@ -154,7 +177,8 @@ LandmarkDefinition LandmarkDefinition::load(const std::filesystem::path& path) {
   document.read(head);
   const auto known = conventions();
   if (std::ranges::find(known, head.convention, &Convention::name) == known.end()) {
-    document.fail_at("convention", fmt::format("is \"{}\"; `knuckle info` lists those that there are", head.convention));
+    document.fail_at("convention",
+                     fmt::format("is \"{}\"; `knuckle info` lists those that there are", head.convention));
   }
   LandmarkDefinition definition{convention_from_name(head.convention), {}};
   for (const Landmark landmark : definition.convention.landmarks)
@@ -164,8 +188,8 @@ LandmarkDefinition LandmarkDefinition::load(const std::filesystem::path& path) {
 }
 
 std::string LandmarkDefinition::as_toml() const {
-  std::string text = fmt::format("format = \"{}\"\nversion = {}\nconvention = \"{}\"\n", kFormat, kVersion,
-                                 convention.name);
+  std::string text =
+      fmt::format("format = \"{}\"\nversion = {}\nconvention = \"{}\"\n", kFormat, kVersion, convention.name);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Eigen::Vector3d& offset = landmarks[i].offset;
     text += fmt::format("\n[{}]\nbone = \"{}\"\noffset = [{:.5f}, {:.5f}, {:.5f}]\n",
@@ -203,7 +227,8 @@ std::optional<Eigen::Matrix3d> bone_axes(const SupersetPoints& hand, HandSide si
   if (!axes || is_of_palm(landmark)) return axes;
   const Landmark from = is_tip(landmark) ? next_inwards(landmark) : landmark;
   const Eigen::Vector3d along = point_of(hand, next_outwards(from)) - point_of(hand, from);
-  // A thumb points everywhere but against this: from the little finger's tip to the thumb's side of the wrist.
+  // A thumb points everywhere but against this: from the little finger's tip to the thumb's side of the
+  // wrist.
   Eigen::Vector3d aside = axes->col(1);
   if (is_of_thumb(landmark)) aside -= axes->col(0);
   return axes_of(along, aside, side);

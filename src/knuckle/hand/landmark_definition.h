@@ -39,8 +39,8 @@ struct LandmarkDefinition {
   static LandmarkDefinition load(const std::filesystem::path& path);
   std::string as_toml() const;
 
-  /// The convention's landmarks on a hand [mm]; one whose bone is not known is NaN. Mirrored hands give mirrored
-  /// landmarks. Throws nothing; safe to call from many threads.
+  /// The convention's landmarks on a hand [mm]; one whose bone is not known is NaN. Mirrored hands give
+  /// mirrored landmarks. Throws nothing; safe to call from many threads.
   std::vector<Point3> on(const SupersetPoints& hand, HandSide side) const;
 };
 
@@ -48,10 +48,11 @@ struct LandmarkDefinition {
 double palm_length(const SupersetPoints& hand);
 
 /// The axes of the bone at one of the 22 landmarks, as columns: along the bone to the finger tip, towards the
-/// thumb's side (a thumb's own: away from the little finger's tip), and out of the back of the hand. Of wrist, palm, the MCP
-/// joints and the thumb's CMC joint they are the palm's; farther out those of the phalanx that begins there,
-/// at a tip of the one that ends there. Nothing where the landmarks that they are made of are not known or lie
-/// on a line. A left hand's are those of the right hand in a mirror (so not right-handed).
+/// thumb's side (a thumb's own: away from the little finger's tip), and out of the back of the hand. Of
+/// wrist, palm, the MCP joints and the thumb's CMC joint they are the palm's; farther out those of the
+/// phalanx that begins there, at a tip of the one that ends there. Nothing where the landmarks that they are
+/// made of are not known or lie on a line. A left hand's are those of the right hand in a mirror (so not
+/// right-handed).
 std::optional<Eigen::Matrix3d> bone_axes(const SupersetPoints& hand, HandSide side, Landmark landmark);
 
 }  // namespace knuckle

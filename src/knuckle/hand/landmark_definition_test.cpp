@@ -13,8 +13,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 /// A random hand within its limits, anywhere before the camera.
@@ -53,9 +53,11 @@ TEST(BoneAxesTest, AreOrthonormalAndPointAsSaid) {
       EXPECT_GT(axes->determinant(), 0.0);
     }
   }
-  // The straight hand's axes are named in HandSkeleton: x to the thumb's side, y to the fingers, z out of the palm.
+  // The straight hand's axes are named in HandSkeleton: x to the thumb's side, y to the fingers, z out of the
+  // palm.
   const auto straight = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
-  for (const Landmark landmark : {Landmark::wrist, Landmark::middle_mcp, Landmark::middle_pip, Landmark::middle_tip}) {
+  for (const Landmark landmark :
+       {Landmark::wrist, Landmark::middle_mcp, Landmark::middle_pip, Landmark::middle_tip}) {
     const auto axes = bone_axes(straight, HandSide::right, landmark);
     EXPECT_GT(axes->col(0).y(), 0.98) << name_of(landmark);
     EXPECT_GT(axes->col(1).x(), 0.98) << name_of(landmark);

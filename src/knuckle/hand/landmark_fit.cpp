@@ -74,8 +74,8 @@ struct FitSums {
 FitSums fit_landmark(std::span<const LabelledPoints> frames, DefinedLandmark& defined, std::size_t landmark) {
   const std::size_t count = frames.size();
   const auto part_of = [&](std::size_t frame) { return frame * kFitParts / count; };
-  const auto all = fitted_offset(frames, defined.bone, landmark, kFewestFittedFrames,
-                                 [](std::size_t) { return true; });
+  const auto all =
+      fitted_offset(frames, defined.bone, landmark, kFewestFittedFrames, [](std::size_t) { return true; });
   FitSums sums;
   if (all) defined.offset = *all;
   for (std::size_t part = 0; part < kFitParts; ++part) {

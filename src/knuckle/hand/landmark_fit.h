@@ -11,16 +11,16 @@ namespace knuckle {
 
 /// One frame to fit a definition to: what was estimated, and what people say.
 struct LabelledPoints {
-  SupersetPoints estimated;      ///< in camera coordinates [mm]
+  SupersetPoints estimated;  ///< in camera coordinates [mm]
   HandSide side = HandSide::right;
   std::vector<Point3> labelled;  ///< one per landmark of the convention [mm]; one that is not known is NaN
 };
 
 /// How far estimates are from the labels of one landmark, on average [mm]; NaN where no frame knows it.
 struct LandmarkFitScore {
-  std::int64_t frames = 0;   ///< that know it
-  double before_mm = kNaN;   ///< with all offsets 0
-  double after_mm = kNaN;    ///< with offsets that were fitted to all frames
+  std::int64_t frames = 0;     ///< that know it
+  double before_mm = kNaN;     ///< with all offsets 0
+  double after_mm = kNaN;      ///< with offsets that were fitted to all frames
   double validated_mm = kNaN;  ///< each part of the frames with offsets that were fitted to the other parts
 };
 
@@ -31,15 +31,15 @@ struct LandmarkFit {
   LandmarkFitScore all;                     ///< over all landmarks of all frames
 };
 
-inline constexpr int kFitParts = 5;              ///< of the cross-validation: contiguous parts of the frames
-inline constexpr int kFewestFittedFrames = 10;   ///< that know a landmark
+inline constexpr int kFitParts = 5;             ///< of the cross-validation: contiguous parts of the frames
+inline constexpr int kFewestFittedFrames = 10;  ///< that know a landmark
 
 /// Fits three numbers per landmark, its offset in the axes of its bone, so that the sum of the distances
 /// between labels and moved estimates is least: a geometric median (Weiszfeld 1937), which a few frames that
 /// were estimated wrong hardly move. What the estimates always do wrong is taken in as well. A landmark that
-/// fewer than kFewestFittedFrames frames know stays with offset 0. Parts of the cross-validation are contiguous:
-/// neighbouring frames are alike. Throws an Error where no landmark is known in enough frames, or a frame has
-/// another number of labels than the convention.
+/// fewer than kFewestFittedFrames frames know stays with offset 0. Parts of the cross-validation are
+/// contiguous: neighbouring frames are alike. Throws an Error where no landmark is known in enough frames, or
+/// a frame has another number of labels than the convention.
 LandmarkFit fit_landmarks(const Convention& convention, std::span<const LabelledPoints> frames);
 
 /// The point whose distances to the points have the least sum; they are finite, and not none.

@@ -13,8 +13,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 
 /// Hands in random postures, labelled by a definition with noise; every tenth label is far off.
 std::vector<LabelledPoints> labelled_hands(const LandmarkDefinition& definition, int count, double noise_mm,
@@ -65,7 +65,8 @@ TEST(GeometricMedianTest, HasTheLeastSumOfDistances) {
       EXPECT_LT(sum_from(median), sum_from(median + step * Eigen::Vector3d::Unit(axis)));
     }
   }
-  EXPECT_LT((geometric_median(std::vector<Eigen::Vector3d>(3, {1, 2, 3})) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((geometric_median(std::vector<Eigen::Vector3d>(3, {1, 2, 3})) - Eigen::Vector3d(1, 2, 3)).norm(),
+            1e-12);
 }
 
 TEST(LandmarkFitTest, FindsTheDefinitionThatLabelsWereMadeWith) {

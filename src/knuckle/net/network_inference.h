@@ -13,8 +13,8 @@ namespace knuckle {
 
 /// What a network says about one patch.
 struct NetworkPrediction {
-  std::vector<PatchPoint> joints;  ///< one per landmark of the convention
-  std::vector<float> confidence;   ///< one per joint, in [0, 1]; or empty where the network gives none
+  std::vector<PatchPoint> joints;         ///< one per landmark of the convention
+  std::vector<float> confidence;          ///< one per joint, in [0, 1]; or empty where the network gives none
   std::optional<double> right_hand = {};  ///< how likely it is a right one, [0, 1]; nothing: it cannot tell
 };
 

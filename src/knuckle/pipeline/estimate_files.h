@@ -23,9 +23,8 @@ struct EstimateFiles {
   RunWarnings* warnings = nullptr;  ///< takes note of each frame of this run; null: nobody does
   /// Goes through the frames: `estimate_each`, or `track_each` of the module `track`.
   std::function<void(const FrameSource&, const Pipeline&, const RunOptions&, const TakeResult&)> run =
-      [](const FrameSource& source, const Pipeline& pipeline, const RunOptions& options, const TakeResult& take) {
-        estimate_each(source, pipeline, options, take);
-      };
+      [](const FrameSource& source, const Pipeline& pipeline, const RunOptions& options,
+         const TakeResult& take) { estimate_each(source, pipeline, options, take); };
   /// Called when all frames are done, before the files get their names: for what is written beside them.
   std::function<void()> finish = [] {};
 };

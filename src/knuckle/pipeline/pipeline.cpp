@@ -119,7 +119,10 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
 
 void Pipeline::use_landmarks(const LandmarkDefinition& definition) {
   require_all_landmarks(estimator_->convention(), "the pipeline's model");
-  if (tracker_) fail("a pipeline with a tracker gives the landmarks of its skeleton; move them with `evaluate --landmarks`");
+  if (tracker_)
+    fail(
+        "a pipeline with a tracker gives the landmarks of its skeleton; move them with `evaluate "
+        "--landmarks`");
   landmarks_ = definition;
 }
 
@@ -204,8 +207,9 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
   }
 }
 
-/// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror. Segmentation
-/// guesses the side; an estimator that doubts the guess is shown the other one as well, and the likelier one stays.
+/// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
+/// Segmentation guesses the side; an estimator that doubts the guess is shown the other one as well, and the
+/// likelier one stays.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
                                               StageTimes& times) const {
   if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), times);

@@ -80,9 +80,10 @@ class Pipeline {
   /// missing (null).
   explicit Pipeline(PipelineParts parts);
 
-  /// From now on poses have the landmarks of that definition in place of the model's: what comes out of the last
-  /// stage is moved to where a data set's authors label. Throws an Error where the model's convention lacks one of
-  /// the 22 landmarks, or the pipeline has a tracker, which needs them as they are. Not to be called while other threads use the pipeline.
+  /// From now on poses have the landmarks of that definition in place of the model's: what comes out of the
+  /// last stage is moved to where a data set's authors label. Throws an Error where the model's convention
+  /// lacks one of the 22 landmarks, or the pipeline has a tracker, which needs them as they are. Not to be
+  /// called while other threads use the pipeline.
   void use_landmarks(const LandmarkDefinition& definition);
 
   /// The convention of all poses: that of `use_landmarks`, else the model's.
@@ -90,8 +91,8 @@ class Pipeline {
 
   const HandOptions& hand() const { return finder_.hand(); }
 
-  /// Whether and how hands are to be followed: the table `[tracker]`. The pipeline itself sees single frames; who runs
-  /// it over a sequence looks here (`track_each`).
+  /// Whether and how hands are to be followed: the table `[tracker]`. The pipeline itself sees single frames;
+  /// who runs it over a sequence looks here (`track_each`).
   const std::optional<TrackerOptions>& tracker() const { return tracker_; }
 
   /// The pipeline file with all defaults filled in; empty where there was no file.

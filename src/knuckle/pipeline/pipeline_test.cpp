@@ -139,7 +139,8 @@ TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
   }
 }
 
-/// Tells a right hand by its side of the image: `right_in_left_half` where the plate is, and in a mirror the rest.
+/// Tells a right hand by its side of the image: `right_in_left_half` where the plate is, and in a mirror the
+/// rest.
 class SideEstimator final : public Estimator {
  public:
   explicit SideEstimator(std::optional<double> right_hand) : right_hand_(right_hand) {}
@@ -162,8 +163,10 @@ class SideEstimator final : public Estimator {
 };
 
 TEST(PipelineFromParts, AnEstimatorThatDoubtsTheSideIsShownTheOtherOne) {
-  for (const auto told : {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
-    for (const std::optional<double> right : {std::optional<double>(), std::optional(0.9), std::optional(0.2)}) {
+  for (const auto told :
+       {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
+    for (const std::optional<double> right :
+         {std::optional<double>(), std::optional(0.9), std::optional(0.2)}) {
       PipelineParts sided{HandFinder(std::make_unique<SidedSegmenter>(told), {.side = "auto"}),
                           std::make_unique<SideEstimator>(right)};
       const FrameEstimate result = Pipeline(std::move(sided)).estimate(plate());

@@ -21,8 +21,8 @@ struct LabelledHand {
   bool counts = true;              ///< false: too little of it is seen to ask for it, or to call it wrong
 };
 
-/// The hands of a frame that are known: `Frame::hands`, or that of `Frame::truth` where those are not known. Of
-/// which nearly all is hidden by something else, a hand does not count.
+/// The hands of a frame that are known: `Frame::hands`, or that of `Frame::truth` where those are not known.
+/// Of which nearly all is hidden by something else, a hand does not count.
 std::vector<LabelledHand> labelled_hands(const Frame& frame);
 
 // Numbers that a hand is learned from. All are of the network's small picture.

@@ -17,7 +17,7 @@ constexpr int kFewestMeasured = 13;  // more than half of the window
 // A median of at least kFewestMeasured values is below a bound only where at least this many of them are.
 constexpr int kFewestCloser = (kFewestMeasured + 1) / 2;
 constexpr int kFewCandidates = 64;  // of a row: they are looked at one by one
-constexpr int kGridStep = 12;  // of the coarse search for a first bound [px]
+constexpr int kGridStep = 12;       // of the coarse search for a first bound [px]
 
 Box window_of(const Image<float>& image, int column, int row) {
   return intersection(Box{column - kRadius, row - kRadius, 2 * kRadius + 1, 2 * kRadius + 1},
@@ -65,15 +65,16 @@ Image<std::uint8_t> closer_in_row(const Image<float>& depth_mm, float bound) {
   return sums;
 }
 
-/// Keeps those candidates of a row whose window's median is below the bound: at least half of what was measured is.
-/// The others get 0. Pays where there are many.
+/// Keeps those candidates of a row whose window's median is below the bound: at least half of what was
+/// measured is. The others get 0. Pays where there are many.
 void keep_those_below(const Image<float>& depth_mm, int row, std::vector<std::uint8_t>& candidates) {
   const int width = depth_mm.width();
   std::vector<std::uint8_t> in_column(static_cast<std::size_t>(width) + 2 * kRadius);
   std::uint8_t* const measured = in_column.data() + kRadius;
   for (int j = std::max(row - kRadius, 0); j <= std::min(row + kRadius, depth_mm.height() - 1); ++j) {
     const float* const depth = depth_mm.row(j).data();
-    for (int i = 0; i < width; ++i) measured[i] = static_cast<std::uint8_t>(measured[i] + is_measured(depth[i]));
+    for (int i = 0; i < width; ++i)
+      measured[i] = static_cast<std::uint8_t>(measured[i] + is_measured(depth[i]));
   }
   for (int i = 0; i < width; ++i) {
     const int in_window = measured[i - 2] + measured[i - 1] + measured[i] + measured[i + 1] + measured[i + 2];
@@ -82,8 +83,8 @@ void keep_those_below(const Image<float>& depth_mm, int row, std::vector<std::ui
   }
 }
 
-/// For each column of `row` how many of its window are below the bound that `sums` were made with. Whether in one of
-/// them a median may be.
+/// For each column of `row` how many of its window are below the bound that `sums` were made with. Whether in
+/// one of them a median may be.
 bool mark_candidates(const Image<std::uint8_t>& sums, int row, std::vector<std::uint8_t>& candidates) {
   const int width = sums.width();
   std::ranges::fill(candidates, std::uint8_t{0});
@@ -124,7 +125,8 @@ std::optional<NearestPixel> nearest_pixel(const Image<float>& depth_mm) {
   for (int row = 0; row < depth_mm.height(); ++row) {
     if (!mark_candidates(sums, row, candidates)) continue;
     const auto is_candidate = [](std::uint8_t closer) { return closer >= kFewestCloser; };
-    if (std::ranges::count_if(candidates, is_candidate) > kFewCandidates) keep_those_below(depth_mm, row, candidates);
+    if (std::ranges::count_if(candidates, is_candidate) > kFewCandidates)
+      keep_those_below(depth_mm, row, candidates);
     for (int column = 0; column < depth_mm.width(); ++column) {
       if (candidates[column] >= kFewestCloser) improve(best, depth_mm, column, row);
     }

@@ -32,7 +32,8 @@ Eigen::VectorXd OneEuroFilter::smooth(const Eigen::VectorXd& value, double secon
   if (value.size() != value_->size()) {
     fail("one euro filter: {} values, those before were {}", value.size(), value_->size());
   }
-  if (!(seconds > 0.0) || !std::isfinite(seconds)) fail("one euro filter: a step of {} s, expected above 0", seconds);
+  if (!(seconds > 0.0) || !std::isfinite(seconds))
+    fail("one euro filter: a step of {} s, expected above 0", seconds);
   const Eigen::VectorXd step = (value - *value_) / seconds;
   speed_ += low_pass_share(options_.speed_cutoff_hz, seconds) * (step - speed_);
   const double cutoff_hz = options_.rest_cutoff_hz + options_.cutoff_per_speed * speed_.norm();

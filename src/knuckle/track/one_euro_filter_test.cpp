@@ -9,8 +9,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 
 constexpr double kStep = 1.0 / 30.0;
 

@@ -30,7 +30,8 @@ SkeletonPose PoseSmoother::smooth(const SkeletonPose& pose, double seconds) {
   }
   smoothed.camera_from_hand.translation() = place_.smooth(pose.camera_from_hand.translation(), seconds);
   const Eigen::Matrix3d rotation = pose.camera_from_hand.linear();
-  // The filter works on rotation vectors from the last smoothed turn on, so it never meets the seam at half a turn.
+  // The filter works on rotation vectors from the last smoothed turn on, so it never meets the seam at half a
+  // turn.
   if (!rotation_) {
     turn_.smooth(Eigen::Vector3d::Zero(), seconds);
     rotation_ = rotation;

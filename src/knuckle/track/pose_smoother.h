@@ -13,11 +13,12 @@ namespace knuckle {
 struct PoseSmoothing {
   OneEuroOptions place{.rest_cutoff_hz = 1.5, .cutoff_per_speed = 0.03};  ///< speeds in mm/s
   OneEuroOptions turn{.rest_cutoff_hz = 1.5, .cutoff_per_speed = 3.0};    ///< speeds in rad/s
-  OneEuroOptions angles{.rest_cutoff_hz = 1.5, .cutoff_per_speed = 1.5};  ///< speeds in rad/s, each angle by itself
+  OneEuroOptions angles{.rest_cutoff_hz = 1.5,
+                        .cutoff_per_speed = 1.5};  ///< speeds in rad/s, each angle by itself
 };
 
-/// Smooths the pose of one hand from frame to frame: each part by the One Euro filter, the turn on the rotation group.
-/// The size is not smoothed. One caller.
+/// Smooths the pose of one hand from frame to frame: each part by the One Euro filter, the turn on the
+/// rotation group. The size is not smoothed. One caller.
 class PoseSmoother {
  public:
   /// Throws an Error where an option is out of range.
@@ -32,8 +33,9 @@ class PoseSmoother {
   OneEuroFilter place_;
   OneEuroFilter turn_;
   std::vector<OneEuroFilter> angles_;
-  std::optional<Eigen::Matrix3d> rotation_;                    // the smoothed one
-  Eigen::Vector3d turned_so_far_ = Eigen::Vector3d::Zero();  // sum of its small turns: what the filter's value is
+  std::optional<Eigen::Matrix3d> rotation_;  // the smoothed one
+  Eigen::Vector3d turned_so_far_ =
+      Eigen::Vector3d::Zero();  // sum of its small turns: what the filter's value is
 };
 
 }  // namespace knuckle

@@ -39,7 +39,8 @@ HandEstimate estimate_of(const TrackedHand& hand, const Camera& camera) {
 FrameResult tracked(std::int64_t index, const Frame& frame, Tracker& tracker) {
   FrameResult result{index, frame.name, frame.time_s, frame.camera, {}, {}};
   const Stopwatch watch;
-  for (const TrackedHand& hand : tracker.update(frame)) result.estimate.hands.push_back(estimate_of(hand, frame.camera));
+  for (const TrackedHand& hand : tracker.update(frame))
+    result.estimate.hands.push_back(estimate_of(hand, frame.camera));
   result.estimate.times.estimate_ms = watch.milliseconds();
   std::ranges::stable_sort(result.estimate.hands, std::greater{}, &HandEstimate::score);
   if (result.estimate.hands.empty()) result.estimate.status = "no hand is followed, and none is found";
@@ -81,7 +82,8 @@ void track_each(const FrameSource& source, const Pipeline& pipeline, const RunOp
         FrameResult result = is_readable ? tracked(number, reading->frame, tracker)
                                          : unreadable_frame(source, number, reading->fault);
         if (number < options.first) return;
-        if (is_readable && options.warnings != nullptr) options.warnings->add(reading->frame, result.estimate);
+        if (is_readable && options.warnings != nullptr)
+          options.warnings->add(reading->frame, result.estimate);
         take(std::move(result));
       };
     };

@@ -12,8 +12,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 
 constexpr double kPlaneMm = 600.0;
 constexpr std::int64_t kSequenceFrames = 12;
@@ -21,7 +21,8 @@ constexpr std::int64_t kSequenceFrames = 12;
 /// Two hands that go to and fro before a wall, in sequences of 12 frames; frames know where they are.
 class TwoHands final : public FrameSource {
  public:
-  explicit TwoHands(std::int64_t size, std::set<std::int64_t> faulty = {}) : size_(size), faulty_(std::move(faulty)) {}
+  explicit TwoHands(std::int64_t size, std::set<std::int64_t> faulty = {})
+      : size_(size), faulty_(std::move(faulty)) {}
 
   std::int64_t size() const override { return size_; }
   Frame read(std::int64_t index) const override {
@@ -97,7 +98,8 @@ Pipeline tracked_pipeline() {
 
 std::vector<FrameResult> results_of(const FrameSource& source, const RunOptions& options = {}) {
   std::vector<FrameResult> results;
-  track_each(source, tracked_pipeline(), options, [&](FrameResult result) { results.push_back(std::move(result)); });
+  track_each(source, tracked_pipeline(), options,
+             [&](FrameResult result) { results.push_back(std::move(result)); });
   return results;
 }
 
@@ -142,7 +144,8 @@ TEST(TrackEach, IsTheSameOnAnyNumberOfThreadsAndFromAnyFrameOn) {
   for (const std::int64_t first : {0, 5, 12, 17, 29, 30}) {
     const auto rest = results_of(source, {.first = first});
     ASSERT_EQ(std::ssize(rest), 30 - first);
-    for (std::size_t i = 0; i < rest.size(); ++i) expect_same(rest[i], one[i + static_cast<std::size_t>(first)]);
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      expect_same(rest[i], one[i + static_cast<std::size_t>(first)]);
   }
   set_thread_count(0);
   for (std::size_t i = 0; i < one.size(); ++i) expect_same(one[i], four[i]);
@@ -166,7 +169,8 @@ TEST(TrackEach, NeedsATrackerAndAStartOfItsOwn) {
   EXPECT_THAT(error_of([&] { track_each(source, still, {}, take); }), HasSubstr("no tracker"));
   EXPECT_THAT(error_of([&] { track_each(source, tracked_pipeline(), {.start = Start::truth}, take); }),
               HasSubstr("--init truth"));
-  EXPECT_THAT(error_of([&] { track_each(source, tracked_pipeline(), {.first = 3}, take); }), HasSubstr("2 frames"));
+  EXPECT_THAT(error_of([&] { track_each(source, tracked_pipeline(), {.first = 3}, take); }),
+              HasSubstr("2 frames"));
   Pipeline tracked = tracked_pipeline();
   EXPECT_THAT(error_of([&] { tracked.use_landmarks(LandmarkDefinition::plain(superset_convention())); }),
               HasSubstr("tracker"));

@@ -13,12 +13,12 @@ namespace knuckle {
 namespace {
 
 constexpr double kDefaultStep_s = 1.0 / 30.0;
-constexpr double kLongestStep_s = 1.0;      // after a longer pause a hand may be anywhere
-constexpr double kFastestMm_s = 4000.0;     // hands hardly move faster
+constexpr double kLongestStep_s = 1.0;   // after a longer pause a hand may be anywhere
+constexpr double kFastestMm_s = 4000.0;  // hands hardly move faster
 constexpr double kVelocityCutoffHz = 5.0;
-constexpr double kReachMm = 150.0;          // of what was predicted: what is farther away is another thing
-constexpr double kSameHandMm = 40.0;        // no two hands' middles are nearer
-constexpr double kPoorFitMm = 10.0;         // a fit from the last pose that is worse is compared with a fresh one
+constexpr double kReachMm = 150.0;    // of what was predicted: what is farther away is another thing
+constexpr double kSameHandMm = 40.0;  // no two hands' middles are nearer
+constexpr double kPoorFitMm = 10.0;   // a fit from the last pose that is worse is compared with a fresh one
 constexpr int kMostSideVotes = 10;
 
 Point3 in_mirror(const Point3& point, HandSide side) {
@@ -34,7 +34,8 @@ LandmarkTargets right_targets(const HandEstimate& estimate, const Projection& pr
     if (!points[i].allFinite()) continue;
     const int place = estimate.pose.convention.index_of(static_cast<Landmark>(i));
     targets[i].point = in_mirror(points[i], estimate.side);
-    targets[i].weight = confidence.empty() ? 1.0 : static_cast<double>(confidence[static_cast<std::size_t>(place)]);
+    targets[i].weight =
+        confidence.empty() ? 1.0 : static_cast<double>(confidence[static_cast<std::size_t>(place)]);
   }
   return targets;
 }
@@ -89,13 +90,14 @@ struct Tracker::Track {
   std::optional<SkeletonPose> fit;
   SkeletonPose smoothed;
   PoseSmoother smoother;
-  Point3 middle = Point3::Zero();  // of its landmarks, in the camera
+  Point3 middle = Point3::Zero();                      // of its landmarks, in the camera
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // mm/s
   double log_size = 0.0;
   double size_weight = 0.0;
 };
 
-Tracker::Tracker(const Pipeline& pipeline, const TrackerOptions& options) : pipeline_(pipeline), options_(options) {
+Tracker::Tracker(const Pipeline& pipeline, const TrackerOptions& options)
+    : pipeline_(pipeline), options_(options) {
   check_options(options_, "tracker");
 }
 
@@ -148,7 +150,8 @@ void Tracker::follow(const Frame& frame) {
 
 void Tracker::look_for_more(const Frame& frame) {
   const int most = pipeline_.hand().max_hands;
-  const auto seen = std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
+  const auto seen =
+      std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
   const bool is_lost = std::ssize(tracks_) > seen || tracks_.empty();
   const bool is_due = !searched_s_ || *now_s_ - *searched_s_ >= options_.search_every_s;
   if (seen >= most || !(is_lost || is_due)) return;
@@ -161,9 +164,12 @@ void Tracker::look_for_more(const Frame& frame) {
     Track* nearest = nullptr;
     for (Track& track : tracks_) {
       if (track.is_seen_at(*now_s_)) continue;
-      if (nearest == nullptr || (track.middle - middle).norm() < (nearest->middle - middle).norm()) nearest = &track;
+      if (nearest == nullptr || (track.middle - middle).norm() < (nearest->middle - middle).norm())
+        nearest = &track;
     }
-    if (nearest != nullptr && (nearest->middle - middle).norm() <= 2.0 * kReachMm && take(frame, hand, *nearest)) continue;
+    if (nearest != nullptr && (nearest->middle - middle).norm() <= 2.0 * kReachMm &&
+        take(frame, hand, *nearest))
+      continue;
     const auto now_seen =
         std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
     if (now_seen >= most) return;
@@ -181,8 +187,8 @@ bool Tracker::is_taken(const Point3& centre) const {
   });
 }
 
-/// Fits the track's skeleton to an estimate. False where that says nothing of the hand: too few landmarks, or the other
-/// side than most estimates before.
+/// Fits the track's skeleton to an estimate. False where that says nothing of the hand: too few landmarks, or
+/// the other side than most estimates before.
 bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& track) const {
   const int vote = estimate.side == HandSide::right ? 1 : -1;
   const HandSide before = track.side();
@@ -196,7 +202,8 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& trac
   const Projection projection(frame.camera);
   const LandmarkTargets targets = right_targets(estimate, projection);
   const bool is_learning = *now_s_ - track.begun_s <= options_.learn_s;
-  const HandSkeleton skeleton = is_learning ? adult_skeleton() : scaled(adult_skeleton(), track.learned_size());
+  const HandSkeleton skeleton =
+      is_learning ? adult_skeleton() : scaled(adult_skeleton(), track.learned_size());
   SkeletonFitOptions options;
   if (!is_learning) options.size_spread = 0.0;
   std::optional<SkeletonPose> start = track.fit;

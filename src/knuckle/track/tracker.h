@@ -17,25 +17,28 @@ namespace knuckle {
 
 /// One hand that is followed.
 struct TrackedHand {
-  int id = 0;                         ///< from 1 on, never used again until `reset`
+  int id = 0;  ///< from 1 on, never used again until `reset`
   HandSide side = HandSide::right;
-  HandPose pose;                      ///< in the image; its landmarks are the skeleton's, bones never change their length
-  double score = 0.0;                 ///< of the estimate that the fit began with, [0, 1]
-  HandAngles angles;                  ///< smoothed
-  RigidTransform camera_from_hand = RigidTransform::Identity();  ///< of a right hand in the mirror, where it is a left one
-  double size = 1.0;                  ///< of the skeleton, against an adult's
-  std::string skeleton = "adult";     ///< its name
+  HandPose pose;       ///< in the image; its landmarks are the skeleton's, bones never change their length
+  double score = 0.0;  ///< of the estimate that the fit began with, [0, 1]
+  HandAngles angles;   ///< smoothed
+  RigidTransform camera_from_hand =
+      RigidTransform::Identity();  ///< of a right hand in the mirror, where it is a left one
+  double size = 1.0;               ///< of the skeleton, against an adult's
+  std::string skeleton = "adult";  ///< its name
 };
 
-/// Follows hands from frame to frame: identities, sides, and a skeleton of constant bones fitted to each estimate.
+/// Follows hands from frame to frame: identities, sides, and a skeleton of constant bones fitted to each
+/// estimate.
 ///
-/// A hand is looked for where it was, moved by its velocity; all of the frame is searched only where a hand is missing,
-/// and now and then for new ones. A skeleton is fitted to the estimated landmarks from where it was in the last frame; its
-/// size is learned over the first second. The result is smoothed.
+/// A hand is looked for where it was, moved by its velocity; all of the frame is searched only where a hand
+/// is missing, and now and then for new ones. A skeleton is fitted to the estimated landmarks from where it
+/// was in the last frame; its size is learned over the first second. The result is smoothed.
 ///
-/// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes back, stands
-/// still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten: ids go on, though.
-/// Called by one thread at a time: a second one gets an Error. The pipeline has to live as long.
+/// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes
+/// back, stands still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten:
+/// ids go on, though. Called by one thread at a time: a second one gets an Error. The pipeline has to live as
+/// long.
 class Tracker {
  public:
   /// Throws an Error where an option is out of range.
@@ -44,8 +47,8 @@ class Tracker {
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
-  /// The hands in the next frame, in the order of their ids. Throws an Error where the time is not finite, or two
-  /// threads call at once.
+  /// The hands in the next frame, in the order of their ids. Throws an Error where the time is not finite, or
+  /// two threads call at once.
   std::vector<TrackedHand> update(const Frame& frame);
   /// Begins anew, with id 1.
   void reset();

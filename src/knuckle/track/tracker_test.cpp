@@ -13,8 +13,8 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 
 constexpr double kDepthMm = 600.0;
 
@@ -76,7 +76,8 @@ class StraightEstimator final : public Estimator {
   PatchPose estimate(const HandPatch& patch) const override {
     const Projection projection(symmetric_camera());
     const Point3 centre = projection.to_camera(patch.geometry.to_image({0, 0, 0}));
-    const auto points = landmarks(scaled(adult_skeleton(), world_.size), HandAngles{}, RigidTransform::Identity());
+    const auto points =
+        landmarks(scaled(adult_skeleton(), world_.size), HandAngles{}, RigidTransform::Identity());
     Point3 mean = Point3::Zero();
     for (const Point3& point : points) mean += point / static_cast<double>(points.size());
     PatchPose pose;
@@ -230,8 +231,9 @@ TEST_F(TrackerTest, SmoothingTakesTheTremblingAndStrengthSaysHowMuch) {
     double sum = 0.0;
     for (int i = 0; i < 90; ++i) {
       const auto hands = tracker.update(frame_at(i / 30.0));
-      const Point3 tip = Projection(symmetric_camera())
-                             .to_camera(hands.at(0).pose.joints[static_cast<std::size_t>(Landmark::index_tip)]);
+      const Point3 tip =
+          Projection(symmetric_camera())
+              .to_camera(hands.at(0).pose.joints[static_cast<std::size_t>(Landmark::index_tip)]);
       if (i > 30) sum += (tip - last).norm();
       last = tip;
     }

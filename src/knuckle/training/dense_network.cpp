@@ -14,7 +14,8 @@ namespace {
 constexpr int kStride = kMapStride;
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
-constexpr double kHandSideWeight = 0.05;  // of the entropy of the side, against the smooth distances of joints
+constexpr double kHandSideWeight =
+    0.05;  // of the entropy of the side, against the smooth distances of joints
 
 /// u (or v) of the centres of the cells of one line of the maps.
 torch::Tensor cell_centres(int64_t cells, const torch::TensorOptions& options) {
@@ -82,10 +83,12 @@ DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const to
 }
 
 torch::Tensor DenseNetwork::side_logits(const torch::Tensor& output, const torch::Tensor& patches) const {
-  const torch::Tensor is_hand = (cell_points(patches).select(1, 2) < kCubeBackground).to(output.scalar_type());
+  const torch::Tensor is_hand =
+      (cell_points(patches).select(1, 2) < kCubeBackground).to(output.scalar_type());
   const torch::Tensor map = output.select(1, kMapsPerJoint * joint_count_);
   // As in use: all cells where none is hand.
-  const torch::Tensor counts = torch::where(is_hand.sum({1, 2}, true) > 0, is_hand, torch::ones_like(is_hand));
+  const torch::Tensor counts =
+      torch::where(is_hand.sum({1, 2}, true) > 0, is_hand, torch::ones_like(is_hand));
   return (map * counts).sum({1, 2}) / counts.sum({1, 2});
 }
 
@@ -94,8 +97,8 @@ torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tenso
   if (!options_.tells_side) return joint_loss(output, patches, targets);
   const torch::Tensor joints = targets.narrow(1, 0, joint_count_).contiguous();
   const torch::Tensor is_right = targets.select(1, joint_count_).select(1, 0).to(output.scalar_type());
-  const torch::Tensor side =
-      torch::binary_cross_entropy_with_logits(side_logits(output, patches), is_right, {}, {}, at::Reduction::Mean);
+  const torch::Tensor side = torch::binary_cross_entropy_with_logits(side_logits(output, patches), is_right,
+                                                                     {}, {}, at::Reduction::Mean);
   return joint_loss(output, patches, joints) + kHandSideWeight * side;
 }
 

@@ -14,9 +14,9 @@ namespace knuckle {
 /// the votes, weighted by the softmax of the weights over the pixels. The loss is the smooth L1 distance of
 /// the joints, and of the offsets and closenesses within the kernel's reach.
 ///
-/// Output: N x 5J x h x h with h = size / 4; channels are offset u (of all joints), v, d, closeness, weight. A network
-/// that tells sides has one more, whose mean over the hand is the logit of a right hand; its targets are N x (J + 1) x
-/// 3, the last row's first number 1 for a right hand and 0 for a left one.
+/// Output: N x 5J x h x h with h = size / 4; channels are offset u (of all joints), v, d, closeness, weight.
+/// A network that tells sides has one more, whose mean over the hand is the logit of a right hand; its
+/// targets are N x (J + 1) x 3, the last row's first number 1 for a right hand and 0 for a left one.
 class DenseNetwork final : public NetworkModule {
  public:
   explicit DenseNetwork(const NetworkOptions& options);

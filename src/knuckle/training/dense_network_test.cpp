@@ -131,7 +131,8 @@ NetworkOptions network_that_tells_sides() {
 torch::Tensor with_sides(const torch::Tensor& joints, const std::vector<double>& is_right) {
   torch::Tensor targets = torch::zeros({joints.size(0), kJoints + 1, 3}, joints.options());
   targets.narrow(1, 0, kJoints).copy_(joints);
-  for (std::size_t i = 0; i < is_right.size(); ++i) targets[static_cast<int64_t>(i)][kJoints].fill_(is_right[i]);
+  for (std::size_t i = 0; i < is_right.size(); ++i)
+    targets[static_cast<int64_t>(i)][kJoints].fill_(is_right[i]);
   return targets;
 }
 

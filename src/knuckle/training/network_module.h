@@ -16,7 +16,8 @@ namespace knuckle {
 struct NetworkAnswer {
   torch::Tensor joints;      ///< N x J x 3: u, v, d in patch coordinates
   torch::Tensor confidence;  ///< N x J, in [0, 1]; undefined where the architecture gives none
-  torch::Tensor right_hand = {};  ///< N, in [0, 1]: how likely a right hand; undefined where the network cannot tell
+  torch::Tensor right_hand =
+      {};  ///< N, in [0, 1]: how likely a right hand; undefined where the network cannot tell
 };
 
 /// An architecture that infers joints from patches, N x 1 x size x size: with its weights, its loss against

@@ -12,9 +12,11 @@ CubeSampleViews::CubeSampleViews(const CubeSamples& samples, const AugmentationO
     : samples_(samples), augmentation_(augmentation), tells_side_(tells_side) {
   check_options(augmentation, "augmentation");
   if (tells_side != (augmentation.mirrored_share > 0.0)) {
-    fail("augmentation: mirrored_share is {}, and [network] tells_side is {}: sides are learned from views in a mirror, "
-         "and only by a network that tells them",
-         augmentation.mirrored_share, tells_side);
+    fail(
+        "augmentation: mirrored_share is {}, and [network] tells_side is {}: sides are learned from views in "
+        "a mirror, "
+        "and only by a network that tells them",
+        augmentation.mirrored_share, tells_side);
   }
 }
 
@@ -40,7 +42,8 @@ void CubeSampleViews::view(std::int64_t index, Random& random, std::span<float> 
   if (!is_mirrored) return;
   std::ranges::fill(target.first(joint_numbers), static_cast<float>(kNaN));
   const auto row = static_cast<std::size_t>(samples_.patch().size_px);
-  for (std::size_t first = 0; first < input.size(); first += row) std::ranges::reverse(input.subspan(first, row));
+  for (std::size_t first = 0; first < input.size(); first += row)
+    std::ranges::reverse(input.subspan(first, row));
 }
 
 }  // namespace knuckle

@@ -28,12 +28,13 @@ class SampleViews {
 };
 
 /// Views of cut-out hands. `input`: 1 x size x size; `target`: J x 3 joints in patch coordinates, NaN where
-/// not known. For a network that tells sides there is one row more, whose first number is 1, or 0 in a view in a
-/// mirror, of which no joint is known: poses are learned of right hands alone.
+/// not known. For a network that tells sides there is one row more, whose first number is 1, or 0 in a view
+/// in a mirror, of which no joint is known: poses are learned of right hands alone.
 class CubeSampleViews final : public SampleViews {
  public:
   /// `samples` has to live as long as this. Throws an Error where an option is out of range.
-  CubeSampleViews(const CubeSamples& samples, const AugmentationOptions& augmentation, bool tells_side = false);
+  CubeSampleViews(const CubeSamples& samples, const AugmentationOptions& augmentation,
+                  bool tells_side = false);
 
   std::int64_t size() const override { return samples_.size(); }
   std::vector<std::int64_t> input_shape() const override;

@@ -42,8 +42,8 @@ struct Divisors {
 /// One sample of a batch: pointers to its numbers, pixel by pixel.
 class Sample {
  public:
-  Sample(const float* points, const float* channels, int64_t channel_count, const float* joints, int64_t cells,
-         int64_t joint_count, const VoteLossOptions& options)
+  Sample(const float* points, const float* channels, int64_t channel_count, const float* joints,
+         int64_t cells, int64_t joint_count, const VoteLossOptions& options)
       : channels_(channels),
         channel_count_(channel_count),
         joints_(joints),

@@ -44,8 +44,12 @@ std::optional<HandPose> FolderSource::read_truth(std::int64_t index) const {
 }
 
 FrameLabel FolderSource::read_label(std::int64_t index) const {
-  return {description_.camera, read_truth(index), timeline_.time_s(index), timeline_.sequence(index),
-          without_extension(names_.at(static_cast<std::size_t>(index))), description_.hand_side()};
+  return {description_.camera,
+          read_truth(index),
+          timeline_.time_s(index),
+          timeline_.sequence(index),
+          without_extension(names_.at(static_cast<std::size_t>(index))),
+          description_.hand_side()};
 }
 
 Frame FolderSource::read(std::int64_t index) const {

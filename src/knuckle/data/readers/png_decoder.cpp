@@ -20,9 +20,9 @@ namespace {
 constexpr std::size_t kSignatureBytes = 8;
 constexpr std::uint64_t kDeflatesLimit = 1032;
 
-/// Reads one PNG with libpng, whose warnings and errors are kept, not printed: a warning before the pixels are whole
-/// is an error too. libpng leaves its functions by longjmp; so each of the steps below calls libpng after its own
-/// setjmp, and has no objects with destructors beside that.
+/// Reads one PNG with libpng, whose warnings and errors are kept, not printed: a warning before the pixels
+/// are whole is an error too. libpng leaves its functions by longjmp; so each of the steps below calls libpng
+/// after its own setjmp, and has no objects with destructors beside that.
 class PngReader {
  public:
   explicit PngReader(std::span<const std::uint8_t> bytes) : left_(bytes) {

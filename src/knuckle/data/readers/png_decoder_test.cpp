@@ -127,11 +127,9 @@ TEST(PngDecoder, RefusesImpossibleSizesBeforeMemoryIsTaken) {
   EXPECT_THAT(fault_of(Png{.width = 16384, .height = 16384, .bits = 16, .rows = {0}}.bytes()),
               HasSubstr("more pixels than it can"));
   EXPECT_THAT(fault_of(Png{.width = 0, .height = 5, .rows = {0}}.bytes()), HasSubstr("width is zero"));
-  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2}}.bytes()),
-              HasSubstr("Not enough"));
+  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2}}.bytes()), HasSubstr("Not enough"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2, 3, 4}}.bytes()), HasSubstr("Too much"));
-  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {9, 1, 2, 3}}.bytes()),
-              HasSubstr("filter"));
+  EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {9, 1, 2, 3}}.bytes()), HasSubstr("filter"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .bits = 7, .rows = {9, 1, 2, 3}}.bytes()),
               HasSubstr("bit depth"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .type = 5, .rows = {9, 1, 2, 3}}.bytes()),

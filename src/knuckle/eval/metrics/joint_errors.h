@@ -24,8 +24,7 @@ struct Truth {
   }
   /// A hand whose side is not known counts as a right one.
   HandSide side(std::int64_t frame) const {
-    return sides.empty() ? HandSide::right
-                         : sides[static_cast<std::size_t>(frame)].value_or(HandSide::right);
+    return sides.empty() ? HandSide::right : sides[static_cast<std::size_t>(frame)].value_or(HandSide::right);
   }
 };
 

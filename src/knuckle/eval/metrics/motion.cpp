@@ -157,7 +157,8 @@ bool stands_still(const Motion& motion, std::int64_t frame) {
 }
 
 /// Deviation of one landmark's estimates from their mean over the frames [first, end).
-std::optional<double> deviation(const Motion& motion, std::int64_t first, std::int64_t end, std::size_t joint) {
+std::optional<double> deviation(const Motion& motion, std::int64_t first, std::int64_t end,
+                                std::size_t joint) {
   Point3 mean = Point3::Zero();
   std::int64_t count = 0;
   for (std::int64_t frame = first; frame < end; ++frame) {
@@ -197,7 +198,8 @@ void score_jitter(const Motion& motion, MotionScore& score) {
   score.jitter_mm = all.value();
 }
 
-/// The relative deviation of a bone's length over the frames [first, end); nothing where fewer than two know it.
+/// The relative deviation of a bone's length over the frames [first, end); nothing where fewer than two know
+/// it.
 std::optional<double> length_deviation(const Predictions& predictions, const Truth& truth, const Bone& bone,
                                        std::int64_t first, std::int64_t end) {
   std::vector<double> lengths;

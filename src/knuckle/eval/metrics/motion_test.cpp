@@ -39,7 +39,8 @@ PoseSequence sequence_of(int frames, const Place& place) {
   return sequence;
 }
 
-MotionScore score_of(int frames, const Place& truth, const Place& estimate, const std::vector<int>& sequences = {}) {
+MotionScore score_of(int frames, const Place& truth, const Place& estimate,
+                     const std::vector<int>& sequences = {}) {
   return motion_score({sequence_of(frames, truth), {some_projection()}, {}, sequences},
                       {"made up", sequence_of(frames, estimate)});
 }
@@ -66,7 +67,9 @@ TEST(MotionScore, OfPerfectEstimatesIsThatOfTheTruth) {
 
 TEST(MotionScore, AccelerationIsTheSecondDifference) {
   // x = frame^2 has 2 everywhere; a zigzag of 3 mm on z has 4 x 3.
-  const Place truth = [](int frame, int joint) { return Point3(at_rest(joint) + Point3(frame * frame, 0, 0)); };
+  const Place truth = [](int frame, int joint) {
+    return Point3(at_rest(joint) + Point3(frame * frame, 0, 0));
+  };
   const Place zigzag = [&](int frame, int joint) {
     return Point3(truth(frame, joint) + Point3(0, 0, frame % 2 == 0 ? 3.0 : -3.0));
   };

@@ -31,8 +31,8 @@ std::string curves_csv(const Evaluation& evaluation);
 /// median_2d_px.
 std::string joints_csv(const Evaluation& evaluation);
 
-/// The errors frame by frame as CSV: method, frame (the first is 0), mean_3d_mm, largest_3d_mm; empty where there is no
-/// truth or no complete prediction.
+/// The errors frame by frame as CSV: method, frame (the first is 0), mean_3d_mm, largest_3d_mm; empty where
+/// there is no truth or no complete prediction.
 std::string frames_csv(const Evaluation& evaluation);
 
 }  // namespace knuckle

@@ -170,19 +170,21 @@ std::string motion_section(const Evaluation& evaluation) {
   const auto moves = [](const MethodScore& method) { return method.motion.frames > 0; };
   if (std::ranges::none_of(methods, moves)) return {};
   const Better lower = compare_the_same(evaluation) ? Better::lower : Better::neither;
-  const auto of = [&](std::string head, double MotionScore::* value, double factor, int digits, Better better) {
+  const auto of = [&](std::string head, double MotionScore::*value, double factor, int digits,
+                      Better better) {
     const auto scaled = [=](const MethodScore& method) { return factor * (method.motion.*value); };
     return column(std::move(head), methods, scaled, digits, better);
   };
   return "<h2>Motion</h2>\n" +
-         number_table("method", method_heads(methods),
-                      {of("acceleration<br>(mm/frame&sup2;)", &MotionScore::acceleration_mm, 1, 2, lower),
-                       of("of the truth", &MotionScore::true_acceleration_mm, 1, 2, Better::neither),
-                       of("its error", &MotionScore::acceleration_error_mm, 1, 2, lower),
-                       of("lag<br>(frames)", &MotionScore::lag_frames, 1, 2, Better::neither),
-                       of("jitter of a<br>still hand (mm)", &MotionScore::jitter_mm, 1, 2, lower),
-                       of("of its worst<br>joint (mm)", &MotionScore::worst_jitter_mm, 1, 2, lower),
-                       of("bones&rsquo; lengths<br>differ by (%)", &MotionScore::bone_deviation, 100, 2, lower)});
+         number_table(
+             "method", method_heads(methods),
+             {of("acceleration<br>(mm/frame&sup2;)", &MotionScore::acceleration_mm, 1, 2, lower),
+              of("of the truth", &MotionScore::true_acceleration_mm, 1, 2, Better::neither),
+              of("its error", &MotionScore::acceleration_error_mm, 1, 2, lower),
+              of("lag<br>(frames)", &MotionScore::lag_frames, 1, 2, Better::neither),
+              of("jitter of a<br>still hand (mm)", &MotionScore::jitter_mm, 1, 2, lower),
+              of("of its worst<br>joint (mm)", &MotionScore::worst_jitter_mm, 1, 2, lower),
+              of("bones&rsquo; lengths<br>differ by (%)", &MotionScore::bone_deviation, 100, 2, lower)});
 }
 
 std::string landmark_section(const Evaluation& evaluation) {
