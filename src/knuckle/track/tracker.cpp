@@ -16,9 +16,10 @@ constexpr double kDefaultStep_s = 1.0 / 30.0;
 constexpr double kLongestStep_s = 1.0;   // after a longer pause a hand may be anywhere
 constexpr double kFastestMm_s = 4000.0;  // hands hardly move faster
 constexpr double kVelocityCutoffHz = 5.0;
-constexpr double kReachMm = 150.0;    // of what was predicted: what is farther away is another thing
-constexpr double kSameHandMm = 40.0;  // no two hands' middles are nearer
-constexpr double kPoorFitMm = 10.0;   // a fit from the last pose that is worse is compared with a fresh one
+constexpr double kReachMm = 150.0;      // of what was predicted: what is farther away is another thing
+constexpr double kLostReachMm = 300.0;  // of where a hand was lost for a moment
+constexpr double kSameHandMm = 40.0;    // no two hands' middles are nearer
+constexpr double kPoorFitMm = 10.0;     // a fit from the last pose that is worse is compared with a fresh one
 constexpr int kMostSideVotes = 10;
 
 Point3 in_mirror(const Point3& point, HandSide side) {
@@ -76,25 +77,50 @@ struct Tracker::Track {
   Track(int number, double now_s, const TrackerOptions& options)
       : id(number), begun_s(now_s), seen_s(now_s), smoother(smoothing_of(options)) {}
 
-  bool is_seen_at(double now_s) const { return seen_s == now_s && fit.has_value(); }
+  bool is_seen_at(double now_s) const { return seen_s == now_s && pose.has_value(); }
   HandSide side() const { return side_votes < 0 ? HandSide::left : HandSide::right; }
-  /// The size that was learned, as a mean of logarithms.
-  double learned_size() const { return size_weight == 0.0 ? 1.0 : std::exp(log_size / size_weight); }
+  /// The size of the person's hand, as a mean of logarithms.
+  double learned_size() const { return sizes == 0 ? 1.0 : std::exp(log_size_sum / sizes); }
+  void learn(double size) {
+    log_size_sum += std::log(size);
+    ++sizes;
+  }
+  void forget_pose() {
+    pose.reset();
+    smoother.reset();
+    velocity.setZero();
+  }
+  void move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options);
 
   int id;
   double begun_s;
   double seen_s;
   int side_votes = 0;  // above 0: right
   double score = 0.0;
-  std::vector<float> confidence;  // one per landmark of the 22
-  std::optional<SkeletonPose> fit;
+  std::vector<float> confidence;     // one per landmark of the 22
+  std::optional<SkeletonPose> pose;  // as it was fitted
   SkeletonPose smoothed;
   PoseSmoother smoother;
   Point3 middle = Point3::Zero();                      // of its landmarks, in the camera
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // mm/s
-  double log_size = 0.0;
-  double size_weight = 0.0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the middle [mm/s]
+  double log_size_sum = 0.0;
+  int sizes = 0;
 };
+
+void Tracker::Track::move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options) {
+  const bool is_first = !pose;
+  const double seconds = is_first ? kDefaultStep_s : now_s - seen_s;
+  const Point3 next_middle = in_mirror(middle_of(landmarks(adult_skeleton(), next)), side());
+  if (!is_first) {
+    Eigen::Vector3d now = (next_middle - middle) / seconds;
+    if (now.norm() > kFastestMm_s) now *= kFastestMm_s / now.norm();
+    velocity += low_pass_share(kVelocityCutoffHz, seconds) * (now - velocity);
+  }
+  smoothed = options.smoothing == "none" ? next : smoother.smooth(next, seconds);
+  middle = next_middle;
+  pose = next;
+  seen_s = now_s;
+}
 
 Tracker::Tracker(const Pipeline& pipeline, const TrackerOptions& options)
     : pipeline_(pipeline), options_(options) {
@@ -148,31 +174,21 @@ void Tracker::follow(const Frame& frame) {
   }
 }
 
+std::ptrdiff_t Tracker::seen_count() const {
+  return std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
+}
+
 void Tracker::look_for_more(const Frame& frame) {
   const int most = pipeline_.hand().max_hands;
-  const auto seen =
-      std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
-  const bool is_lost = std::ssize(tracks_) > seen || tracks_.empty();
+  const bool is_lost = tracks_.empty() || seen_count() < std::ssize(tracks_);
   const bool is_due = !searched_s_ || *now_s_ - *searched_s_ >= options_.search_every_s;
-  if (seen >= most || !(is_lost || is_due)) return;
+  if (seen_count() >= most || !(is_lost || is_due)) return;
   searched_s_ = now_s_;
-  const FrameEstimate found = pipeline_.estimate(frame, {.max_hands = most});
-  for (const HandEstimate& hand : found.hands) {
+  for (const HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = most}).hands) {
     const Point3 middle = Projection(frame.camera).to_camera(mean_joint(hand.pose));
     if (!middle.allFinite() || is_taken(middle)) continue;
-    // One that is lost for a moment is taken up again where it is the nearest.
-    Track* nearest = nullptr;
-    for (Track& track : tracks_) {
-      if (track.is_seen_at(*now_s_)) continue;
-      if (nearest == nullptr || (track.middle - middle).norm() < (nearest->middle - middle).norm())
-        nearest = &track;
-    }
-    if (nearest != nullptr && (nearest->middle - middle).norm() <= 2.0 * kReachMm &&
-        take(frame, hand, *nearest))
-      continue;
-    const auto now_seen =
-        std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
-    if (now_seen >= most) return;
+    Track* const lost = lost_near(middle);
+    if ((lost != nullptr && take(frame, hand, *lost)) || seen_count() >= most) continue;
     Track track(next_id_, *now_s_, options_);
     if (!take(frame, hand, track)) continue;
     ++next_id_;
@@ -180,63 +196,62 @@ void Tracker::look_for_more(const Frame& frame) {
   }
 }
 
+/// The nearest of the hands that are lost for a moment, or null.
+Tracker::Track* Tracker::lost_near(const Point3& middle) {
+  Track* nearest = nullptr;
+  for (Track& track : tracks_) {
+    const double distance = (track.middle - middle).norm();
+    if (track.is_seen_at(*now_s_) || distance > kLostReachMm) continue;
+    if (nearest == nullptr || distance < (nearest->middle - middle).norm()) nearest = &track;
+  }
+  return nearest;
+}
+
 /// Whether a hand that is seen in this frame is there.
-bool Tracker::is_taken(const Point3& centre) const {
+bool Tracker::is_taken(const Point3& middle) const {
   return std::ranges::any_of(tracks_, [&](const Track& track) {
-    return track.is_seen_at(*now_s_) && (track.middle - centre).norm() < 2.0 * kSameHandMm;
+    return track.is_seen_at(*now_s_) && (track.middle - middle).norm() < 2.0 * kSameHandMm;
   });
 }
 
-/// Fits the track's skeleton to an estimate. False where that says nothing of the hand: too few landmarks, or
-/// the other side than most estimates before.
+/// Moves a track on to an estimate. False where that says nothing of the hand: too few landmarks, or the
+/// other side than most estimates before.
 bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& track) const {
-  const int vote = estimate.side == HandSide::right ? 1 : -1;
   const HandSide before = track.side();
+  const int vote = estimate.side == HandSide::right ? 1 : -1;
   track.side_votes = std::clamp(track.side_votes + vote, -kMostSideVotes, kMostSideVotes);
-  const bool is_first = !track.fit;
   if (estimate.side != track.side()) return false;
-  if (!is_first && before != track.side()) {  // it was the other hand all the time
-    track.fit.reset();
-    track.smoother.reset();
-  }
-  const Projection projection(frame.camera);
-  const LandmarkTargets targets = right_targets(estimate, projection);
-  const bool is_learning = *now_s_ - track.begun_s <= options_.learn_s;
-  const HandSkeleton skeleton =
-      is_learning ? adult_skeleton() : scaled(adult_skeleton(), track.learned_size());
-  SkeletonFitOptions options;
-  if (!is_learning) options.size_spread = 0.0;
-  std::optional<SkeletonPose> start = track.fit;
-  if (start && !is_learning) start->size = 1.0;
-  auto fit = fit_skeleton(skeleton, targets, options, start);
-  if (start && (!fit || fit->rms_mm > kPoorFitMm)) {
-    const auto fresh = fit_skeleton(skeleton, targets, options);
-    if (fresh && (!fit || fresh->energy < fit->energy)) fit = fresh;
-  }
-  if (!fit) return false;
-  SkeletonPose pose = fit->pose;
-  if (is_learning) {
-    track.log_size += std::log(pose.size);
-    track.size_weight += 1.0;
-  }
-  pose.size = is_learning ? pose.size : track.learned_size();
-  const double seconds = is_first ? kDefaultStep_s : *now_s_ - track.seen_s;
-  track.smoothed = options_.smoothing == "none" ? pose : track.smoother.smooth(pose, std::max(seconds, 1e-6));
-  const Point3 middle = in_mirror(middle_of(landmarks(adult_skeleton(), pose)), track.side());
-  if (!is_first && seconds > 0.0) {
-    Eigen::Vector3d velocity = (middle - track.middle) / seconds;
-    if (velocity.norm() > kFastestMm_s) velocity *= kFastestMm_s / velocity.norm();
-    track.velocity += low_pass_share(kVelocityCutoffHz, seconds) * (velocity - track.velocity);
-  }
-  track.middle = middle;
-  track.fit = pose;
-  track.seen_s = *now_s_;
+  if (before != track.side()) track.forget_pose();  // it was the other hand all the time
+  const LandmarkTargets targets = right_targets(estimate, Projection(frame.camera));
+  const std::optional<SkeletonPose> pose = pose_of(targets, track);
+  if (!pose) return false;
+  track.move_to(*pose, *now_s_, options_);
   track.score = estimate.score;
   track.confidence.assign(targets.size(), 0.0f);
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (targets[i].point.allFinite()) track.confidence[i] = static_cast<float>(targets[i].weight);
   }
   return true;
+}
+
+/// The skeleton fitted to targets from the track's last pose on; of the size that was learned, once it is.
+std::optional<SkeletonPose> Tracker::pose_of(const LandmarkTargets& targets, Track& track) const {
+  const bool is_learning = *now_s_ - track.begun_s <= options_.learn_s;
+  const double size = is_learning ? 1.0 : track.learned_size();
+  const HandSkeleton skeleton = scaled(adult_skeleton(), size);
+  SkeletonFitOptions options;
+  if (!is_learning) options.size_spread = 0.0;
+  std::optional<SkeletonPose> start = track.pose;
+  if (start && !is_learning) start->size = 1.0;
+  auto fit = fit_skeleton(skeleton, targets, options, start);
+  if (start && (!fit || fit->rms_mm > kPoorFitMm)) {
+    const auto fresh = fit_skeleton(skeleton, targets, options);
+    if (fresh && (!fit || fresh->energy < fit->energy)) fit = fresh;
+  }
+  if (!fit) return std::nullopt;
+  if (is_learning) track.learn(fit->pose.size);
+  fit->pose.size *= size;
+  return fit->pose;
 }
 
 void Tracker::forget_lost_and_doubled() {

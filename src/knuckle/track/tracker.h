@@ -2,7 +2,7 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,8 +60,11 @@ class Tracker {
   void follow(const Frame& frame);
   void look_for_more(const Frame& frame);
   bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
+  std::optional<SkeletonPose> pose_of(const LandmarkTargets& targets, Track& track) const;
+  Track* lost_near(const Point3& middle);
+  std::ptrdiff_t seen_count() const;
   void forget_lost_and_doubled();
-  bool is_taken(const Point3& centre) const;
+  bool is_taken(const Point3& middle) const;
   std::vector<TrackedHand> hands_seen(const Frame& frame) const;
 
   const Pipeline& pipeline_;
