@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Private to the module.
 #pragma once
 
 #include <optional>

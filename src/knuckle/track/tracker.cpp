@@ -8,6 +8,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/data/defined_pose.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/track/pose_smoother.h"
 
 namespace knuckle {
 namespace {

@@ -11,7 +11,6 @@
 #include "knuckle/hand/skeleton_fit.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/pipeline/tracker_options.h"
-#include "knuckle/track/pose_smoother.h"
 
 namespace knuckle {
 
