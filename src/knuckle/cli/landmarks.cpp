@@ -5,6 +5,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/defined_pose.h"
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/hand/landmark_fit.h"

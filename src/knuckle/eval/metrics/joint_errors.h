@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/frame.h"
 #include "knuckle/data/poses_file.h"
 
 namespace knuckle {
