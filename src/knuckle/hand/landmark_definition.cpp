@@ -223,7 +223,7 @@ std::optional<Eigen::Matrix3d> bone_axes(const SupersetPoints& hand, HandSide si
   using enum Landmark;
   const Eigen::Vector3d outwards = point_of(hand, middle_mcp) - point_of(hand, wrist);
   const Eigen::Vector3d across = point_of(hand, index_mcp) - point_of(hand, little_mcp);
-  const std::optional<Eigen::Matrix3d> axes = axes_of(outwards, across, side);
+  std::optional<Eigen::Matrix3d> axes = axes_of(outwards, across, side);
   if (!axes || is_of_palm(landmark)) return axes;
   const Landmark from = is_tip(landmark) ? next_inwards(landmark) : landmark;
   const Eigen::Vector3d along = point_of(hand, next_outwards(from)) - point_of(hand, from);

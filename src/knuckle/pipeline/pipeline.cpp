@@ -119,10 +119,7 @@ Pipeline Pipeline::load(const std::filesystem::path& path) {
 
 void Pipeline::use_landmarks(const LandmarkDefinition& definition) {
   require_all_landmarks(estimator_->convention(), "the pipeline's model");
-  if (tracker_)
-    fail(
-        "a pipeline with a tracker gives the landmarks of its skeleton; move them with `evaluate "
-        "--landmarks`");
+  if (tracker_) fail("a tracker gives the landmarks of its skeleton; move them with `evaluate --landmarks`");
   landmarks_ = definition;
 }
 

@@ -13,9 +13,9 @@
 namespace knuckle {
 namespace {
 
-constexpr double kDefaultStep_s = 1.0 / 30.0;
-constexpr double kLongestStep_s = 1.0;   // after a longer pause a hand may be anywhere
-constexpr double kFastestMm_s = 4000.0;  // hands hardly move faster
+constexpr double kDefaultStepSeconds = 1.0 / 30.0;
+constexpr double kLongestStepSeconds = 1.0;     // after a longer pause a hand may be anywhere
+constexpr double kFastestMmPerSecond = 4000.0;  // hands hardly move faster
 constexpr double kVelocityCutoffHz = 5.0;
 constexpr double kReachMm = 150.0;      // of what was predicted: what is farther away is another thing
 constexpr double kLostReachMm = 300.0;  // of where a hand was lost for a moment
@@ -110,11 +110,11 @@ struct Tracker::Track {
 
 void Tracker::Track::move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options) {
   const bool is_first = !pose;
-  const double seconds = is_first ? kDefaultStep_s : now_s - seen_s;
+  const double seconds = is_first ? kDefaultStepSeconds : now_s - seen_s;
   const Point3 next_middle = in_mirror(middle_of(landmarks(adult_skeleton(), next)), side());
   if (!is_first) {
     Eigen::Vector3d now = (next_middle - middle) / seconds;
-    if (now.norm() > kFastestMm_s) now *= kFastestMm_s / now.norm();
+    if (now.norm() > kFastestMmPerSecond) now *= kFastestMmPerSecond / now.norm();
     velocity += low_pass_share(kVelocityCutoffHz, seconds) * (now - velocity);
   }
   smoothed = options.smoothing == "none" ? next : smoother.smooth(next, seconds);
@@ -152,9 +152,9 @@ void Tracker::step_to(const Frame& frame) {
   if (frame.time_s && !std::isfinite(*frame.time_s)) {
     fail("tracker: frame {} has a time that is not finite", frame.name);
   }
-  const double time_s = frame.time_s.value_or(now_s_.value_or(0.0) + kDefaultStep_s);
+  const double time_s = frame.time_s.value_or(now_s_.value_or(0.0) + kDefaultStepSeconds);
   const double step_s = now_s_ ? time_s - *now_s_ : 0.0;
-  if (frame.sequence != sequence_ || !(step_s > 0.0) || step_s > kLongestStep_s) {
+  if (frame.sequence != sequence_ || !(step_s > 0.0) || step_s > kLongestStepSeconds) {
     tracks_.clear();
     searched_s_.reset();
   }

@@ -130,9 +130,9 @@ double true_speed(const Motion& motion) {
 
 double lag_of(const Motion& motion) {
   std::array<double, 2 * kMostLagFrames + 1> distances;
-  for (int shift = -kMostLagFrames; shift <= kMostLagFrames; ++shift) {
-    distances[static_cast<std::size_t>(shift + kMostLagFrames)] = squared_distance(motion, shift);
-    if (std::isnan(distances[static_cast<std::size_t>(shift + kMostLagFrames)])) return kNaN;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    distances[i] = squared_distance(motion, static_cast<int>(i) - kMostLagFrames);
+    if (std::isnan(distances[i])) return kNaN;
   }
   const auto least = std::ranges::min_element(distances) - distances.begin();
   const auto lag = static_cast<double>(least - kMostLagFrames);
