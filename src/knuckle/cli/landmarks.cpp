@@ -7,6 +7,7 @@
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/defined_pose.h"
+#include "knuckle/data/truth.h"
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/hand/landmark_fit.h"
 #include "knuckle/pipeline/estimate_each.h"
@@ -22,14 +23,6 @@ struct LandmarksArguments {
   std::filesystem::path out;
 };
 
-std::vector<Point3> in_camera(const HandPose& pose, const Projection& projection) {
-  std::vector<Point3> points;
-  for (const ImagePoint& joint : pose.joints) {
-    points.push_back(joint.is_missing() ? Point3::Constant(kNaN) : projection.to_camera(joint));
-  }
-  return points;
-}
-
 /// What a pipeline estimates in all frames with labels, started at the truth, beside these labels.
 std::vector<LabelledPoints> labelled_points(const FrameSource& source, const Pipeline& pipeline,
                                             const Truth& truth) {
@@ -42,7 +35,8 @@ std::vector<LabelledPoints> labelled_points(const FrameSource& source, const Pip
     if (result.estimate.hands.empty() || labels.is_missing()) return;
     const HandEstimate& hand = result.estimate.hands.front();
     const Projection projection(result.camera);
-    frames.push_back({superset_points(hand.pose, projection), hand.side, in_camera(labels, projection)});
+    frames.push_back(
+        {superset_points(hand.pose, projection), hand.side, points_in_camera(labels, projection)});
   });
   return frames;
 }

@@ -2,16 +2,17 @@
 #include "knuckle/data/defined_pose.h"
 
 #include "knuckle/core/error.h"
+#include "knuckle/data/truth.h"
 
 namespace knuckle {
 
 SupersetPoints superset_points(const HandPose& pose, const Projection& projection) {
   SupersetPoints points;
   points.fill(Point3::Constant(kNaN));
-  for (std::size_t i = 0; i < pose.joints.size(); ++i) {
+  const std::vector<Point3> of_joints = points_in_camera(pose, projection);
+  for (std::size_t i = 0; i < of_joints.size(); ++i) {
     const auto landmark = static_cast<std::size_t>(pose.convention.landmarks[i]);
-    if (landmark >= points.size() || pose.joints[i].is_missing()) continue;
-    points[landmark] = projection.to_camera(pose.joints[i]);
+    if (landmark < points.size()) points[landmark] = of_joints[i];
   }
   return points;
 }

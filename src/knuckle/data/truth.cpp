@@ -47,6 +47,15 @@ HandPose pose_from_camera(const Convention& convention, std::span<const double> 
   return pose;
 }
 
+std::vector<Point3> points_in_camera(const HandPose& pose, const Projection& projection) {
+  std::vector<Point3> points;
+  points.reserve(pose.joints.size());
+  for (const ImagePoint& joint : pose.joints) {
+    points.push_back(joint.is_missing() ? Point3::Constant(kNaN) : projection.to_camera(joint));
+  }
+  return points;
+}
+
 std::optional<HandPose> known_or_nothing(HandPose pose) {
   if (pose.is_missing()) return std::nullopt;
   return pose;

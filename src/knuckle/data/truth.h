@@ -24,6 +24,10 @@ HandPose pose_from_uvd(const Convention& convention, std::span<const double> uvd
 HandPose pose_from_camera(const Convention& convention, std::span<const double> xyz,
                           const Projection& projection);
 
+/// The joints in camera coordinates [mm], y down and z forward, in the order of the convention; NaN where one
+/// is missing.
+std::vector<Point3> points_in_camera(const HandPose& pose, const Projection& projection);
+
 /// The pose, or nothing where not one of its joints is known: a frame without truth.
 std::optional<HandPose> known_or_nothing(HandPose pose);
 

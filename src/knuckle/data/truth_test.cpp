@@ -36,6 +36,31 @@ TEST(PoseFromCamera, ProjectsWhatIsKnown) {
   EXPECT_TRUE(pose.joints[1].is_missing() && pose.joints[2].is_missing());
 }
 
+TEST(PointsInCamera, AreWhatAPoseWasMadeFrom) {
+  Camera camera;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fx = 60.0;
+  camera.fy = 58.0;
+  camera.cx = 30.0;
+  camera.cy = 25.0;
+  const Projection projection(camera);
+  const Convention& convention = convention_from_name("icg20");
+  std::vector<double> xyz(3 * convention.landmarks.size());
+  for (std::size_t i = 0; i < xyz.size(); ++i) xyz[i] = 300.0 + 7.0 * static_cast<double>(i);
+  xyz[3 * 4 + 1] = kNaN;
+  const std::vector<Point3> points =
+      points_in_camera(pose_from_camera(convention, xyz, projection), projection);
+  ASSERT_EQ(points.size(), convention.landmarks.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i == 4) {
+      EXPECT_TRUE(points[i].array().isNaN().all());
+    } else {
+      EXPECT_LT((points[i] - Point3(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2])).norm(), 1e-9);
+    }
+  }
+}
+
 TEST(PoseOrigin, MovesBothCoordinatesByHalfAPixel) {
   HandPose pose = HandPose::missing(kConvention);
   pose.joints[1] = {10.0, 70.0, 500.0};

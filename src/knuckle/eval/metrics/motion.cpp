@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "knuckle/data/truth.h"
+
 namespace knuckle {
 namespace {
 
@@ -23,14 +25,6 @@ struct RunningMean {
   }
   double value() const { return count == 0 ? kNaN : sum / static_cast<double>(count); }
 };
-
-Points in_camera(const HandPose& pose, const Projection& projection) {
-  Points points;
-  for (const ImagePoint& joint : pose.joints) {
-    points.push_back(joint.is_missing() ? Point3::Constant(kNaN) : projection.to_camera(joint));
-  }
-  return points;
-}
 
 /// The landmarks of a pose that both conventions have, in the order of the truth's.
 Points shared(const Points& points, const std::vector<int>& places) {
@@ -68,8 +62,9 @@ Motion motion_of(const Truth& truth, const Predictions& predictions) {
   motion.sequence = truth.sequences.empty() ? std::vector<int>(count, 0) : truth.sequences;
   for (std::size_t i = 0; i < count; ++i) {
     const Projection& projection = truth.projection(static_cast<std::int64_t>(i));
-    motion.truth.push_back(shared(in_camera(truth.sequence.poses[i], projection), in_truth));
-    motion.estimate.push_back(shared(in_camera(predictions.sequence.poses[i], projection), in_predictions));
+    motion.truth.push_back(shared(points_in_camera(truth.sequence.poses[i], projection), in_truth));
+    motion.estimate.push_back(
+        shared(points_in_camera(predictions.sequence.poses[i], projection), in_predictions));
   }
   return motion;
 }
