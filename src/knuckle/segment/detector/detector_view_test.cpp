@@ -152,9 +152,8 @@ TEST(DetectorView, WhatIsNotMeasuredIsInfinitelyFar) {
     EXPECT_THAT(input.measured_share.pixels(), ::testing::Each(0.0f)) << nothing;
   }
   std::ranges::fill(frame.depth_mm.pixels(), 1e-30f);
-  for (const float inverse : DetectorView({}, frame.camera).shrink(frame.depth_mm).inverse_depth.pixels()) {
-    EXPECT_LE(inverse, kMostInverseDepth);
-  }
+  const DetectorInput nearest = DetectorView({}, frame.camera).shrink(frame.depth_mm);
+  EXPECT_THAT(nearest.inverse_depth.pixels(), ::testing::Each(::testing::Le(kMostInverseDepth)));
 }
 
 TEST(DetectorView, FramesOfOnePixelAndOf48Million) {
