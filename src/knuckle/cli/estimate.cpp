@@ -25,7 +25,7 @@ struct EstimateArguments {
   std::filesystem::path out;
   std::filesystem::path records;
   std::filesystem::path json;
-  std::string landmarks;
+  std::filesystem::path landmarks;
   std::string init = "nearest";
   bool resume = false;
   bool keep_going = false;
@@ -38,8 +38,7 @@ RunIdentity identity_of(const EstimateArguments& arguments, const Pipeline& pipe
   return {{"version of knuckle", KNUCKLE_VERSION},
           {"source (its settings or files)", source_fingerprint(arguments.source, written)},
           {"pipeline (its options)", text_hash(pipeline.resolved_options())},
-          {"landmarks",
-           arguments.landmarks.empty() ? "the model's" : content_hash(landmarks_file(arguments.landmarks))},
+          {"landmarks", arguments.landmarks.empty() ? "the model's" : content_hash(arguments.landmarks)},
           {"model", text_hash(Inputs().add_models(arguments.pipeline).text())}};
 }
 
@@ -84,7 +83,7 @@ void run_estimate(const EstimateArguments& arguments) {
   }
   const auto source = open_source(arguments.source);
   Pipeline pipeline = Pipeline::load(arguments.pipeline);
-  if (!arguments.landmarks.empty()) pipeline.use_landmarks(load_landmarks(arguments.landmarks));
+  if (!arguments.landmarks.empty()) pipeline.use_landmarks(LandmarkDefinition::load(arguments.landmarks));
   warn_of_replacement(arguments);
   RunWarnings warnings;
   EstimateFiles files = files_of(arguments, pipeline);

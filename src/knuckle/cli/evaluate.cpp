@@ -9,6 +9,7 @@
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/eval/pictures/gallery.h"
 #include "knuckle/eval/report/report.h"
+#include "knuckle/hand/landmark_definition.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
 
@@ -23,7 +24,7 @@ struct EvaluateArguments {
   std::string camera;
   std::filesystem::path out;
   std::filesystem::path json;
-  std::string landmarks;
+  std::filesystem::path landmarks;
   GalleryOptions gallery;
 
   void visit(OptionVisitor& visitor) {
@@ -32,7 +33,8 @@ struct EvaluateArguments {
     visitor.texts("boxes", boxes, {});
     visitor.text("convention", convention);
     visitor.text("camera", camera);
-    visitor.text("landmarks", landmarks);
+    std::string definition = landmarks.string();
+    visitor.text("landmarks", definition);
   }
 };
 
@@ -64,8 +66,9 @@ std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, Pi
 }
 
 /// Moves all predictions to where a definition says that the truth's landmarks lie.
-void move_landmarks(const std::string& landmarks, const Truth& truth, std::vector<Predictions>& predictions) {
-  const LandmarkDefinition definition = load_landmarks(landmarks);
+void move_landmarks(const std::filesystem::path& path, const Truth& truth,
+                    std::vector<Predictions>& predictions) {
+  const LandmarkDefinition definition = LandmarkDefinition::load(path);
   for (Predictions& method : predictions) {
     require_all_landmarks(method.sequence.convention, method.sequence.origin);
     if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/cli/verb.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -14,7 +13,6 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
-#include "knuckle/core/resources.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 #include "knuckle/pipeline/start.h"
@@ -115,19 +113,8 @@ void add_init_option(CLI::App& verb, std::string& init) {
       ->capture_default_str();
 }
 
-void add_landmarks_option(CLI::App& verb, std::string& landmarks, const std::string& does) {
-  verb.add_option("--landmarks", landmarks, does + ": a file of `knuckle landmarks`, or a name in landmarks/")
-      ->type_name("FILE");
-}
-
-std::filesystem::path landmarks_file(const std::string& landmarks) {
-  const auto known = conventions();
-  const bool is_name = std::ranges::find(known, landmarks, &Convention::name) != known.end();
-  return is_name ? resource_path("landmarks/" + landmarks + ".toml") : std::filesystem::path(landmarks);
-}
-
-LandmarkDefinition load_landmarks(const std::string& landmarks) {
-  return LandmarkDefinition::load(landmarks_file(landmarks));
+void add_landmarks_option(CLI::App& verb, std::filesystem::path& landmarks, const std::string& does) {
+  verb.add_option("--landmarks", landmarks, does + ", a file of `knuckle landmarks`")->type_name("FILE");
 }
 
 const std::vector<std::string>& command_line_arguments() {

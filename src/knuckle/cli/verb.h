@@ -8,8 +8,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "knuckle/hand/landmark_definition.h"
-
 namespace knuckle::cli {
 
 /// Adds a verb with its example and the options that all verbs have.
@@ -36,13 +34,7 @@ void add_source_option(CLI::App& verb, std::string& source);
 void add_init_option(CLI::App& verb, std::string& init);
 
 /// Adds --landmarks, a definition of where a convention's landmarks lie; `does` says what happens with it.
-void add_landmarks_option(CLI::App& verb, std::string& landmarks, const std::string& does);
-
-/// The definition in a file, or the one of that name which comes with Knuckle.
-LandmarkDefinition load_landmarks(const std::string& landmarks);
-
-/// The file of the same.
-std::filesystem::path landmarks_file(const std::string& landmarks);
+void add_landmarks_option(CLI::App& verb, std::filesystem::path& landmarks, const std::string& does);
 
 /// Writes the options that a run used beside what it made: "poses.txt" gets "poses.txt.options.toml", a
 /// folder gets "options.toml" in it. The command line comes first, as a comment.

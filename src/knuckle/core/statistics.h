@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -25,5 +27,24 @@ T upper_median(std::span<T> values) {
   std::ranges::nth_element(values, middle);
   return *middle;
 }
+
+/// A mean of values that come one by one, or of several such means.
+struct RunningMean {
+  double sum = 0.0;
+  std::int64_t count = 0;
+
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+  void add(const RunningMean& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+  /// NaN where nothing was added.
+  double value() const {
+    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
+  }
+};
 
 }  // namespace knuckle

@@ -31,6 +31,18 @@ TEST(Statistics, OfNothingAreNotKnown) {
   EXPECT_TRUE(std::isnan(median({})));
 }
 
+TEST(Statistics, ARunningMeanIsThatOfAllValues) {
+  RunningMean one;
+  EXPECT_TRUE(std::isnan(one.value()));
+  for (const double value : {1.0, 2.0, 6.0}) one.add(value);
+  EXPECT_DOUBLE_EQ(one.value(), 3.0);
+  RunningMean both;
+  both.add(one);
+  both.add(11.0);
+  EXPECT_DOUBLE_EQ(both.value(), 5.0);
+  EXPECT_EQ(both.count, 4);
+}
+
 TEST(Statistics, UpperMedianIsOneOfTheValues) {
   std::vector<float> values{4.0f, 1.0f, 3.0f, 2.0f};
   EXPECT_EQ(upper_median(std::span(values)), 3.0f);

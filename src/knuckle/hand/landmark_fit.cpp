@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/statistics.h"
 
 namespace knuckle {
 namespace {
@@ -37,21 +38,9 @@ std::optional<Eigen::Vector3d> fitted_offset(std::span<const LabelledPoints> fra
   return geometric_median(offsets);
 }
 
-/// A sum of distances, and how many.
-struct Distances {
-  double sum = 0.0;
-  std::int64_t count = 0;
-
-  void add(const Distances& other) {
-    sum += other.sum;
-    count += other.count;
-  }
-  double mean() const { return count == 0 ? kNaN : sum / static_cast<double>(count); }
-};
-
 /// Between a frame's label and its estimate, moved by `offset`.
-Distances distance_in(const LabelledPoints& frame, Landmark bone, std::size_t landmark,
-                      const Eigen::Vector3d& offset) {
+RunningMean distance_in(const LabelledPoints& frame, Landmark bone, std::size_t landmark,
+                        const Eigen::Vector3d& offset) {
   const auto wanted = offset_in(frame, bone, landmark);
   if (!wanted) return {};
   return {(*wanted - offset).norm() * palm_length(frame.estimated), 1};
@@ -59,16 +48,16 @@ Distances distance_in(const LabelledPoints& frame, Landmark bone, std::size_t la
 
 /// The sums that the scores of a landmark, or of all, come from.
 struct FitSums {
-  Distances before;
-  Distances after;
-  Distances validated;
+  RunningMean before;
+  RunningMean after;
+  RunningMean validated;
 
   void add(const FitSums& other) {
     before.add(other.before);
     after.add(other.after);
     validated.add(other.validated);
   }
-  LandmarkFitScore score() const { return {before.count, before.mean(), after.mean(), validated.mean()}; }
+  LandmarkFitScore score() const { return {before.count, before.value(), after.value(), validated.value()}; }
 };
 
 FitSums fit_landmark(std::span<const LabelledPoints> frames, DefinedLandmark& defined, std::size_t landmark) {

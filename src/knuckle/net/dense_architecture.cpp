@@ -3,10 +3,6 @@
 
 namespace knuckle {
 
-int side_map(const NetworkOptions& options) {
-  return kMapsPerJoint * options.joint_count();
-}
-
 EncoderDecoderShape dense_shape(const NetworkOptions& options) {
   const DenseNetworkOptions& dense = options.dense;
   return {.inputs = 1,
@@ -16,7 +12,7 @@ EncoderDecoderShape dense_shape(const NetworkOptions& options) {
           .sixteenth = dense.sixteenth_channels,
           .head = dense.head_channels,
           .blocks = dense.blocks,
-          .maps = side_map(options) + (dense.tells_side ? 1 : 0)};
+          .maps = kMapsPerJoint * options.joint_count() + (dense.tells_side ? 1 : 0)};
 }
 
 std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {

@@ -12,11 +12,7 @@ inline constexpr int kMapsPerJoint = 5;  ///< offset u, v, d; closeness; weight
 /// Spread of the votes at which the confidence falls to 1 / e: 19 mm in a cube of 250 mm.
 inline constexpr double kSpreadScale = 0.15;
 
-/// Behind the maps of all joints: the number of the one whose mean over the cells that vote is the logit of
-/// "this is a right hand", in networks that tell.
-int side_map(const NetworkOptions& options);
-
-/// The channels of the architecture `dense`.
+/// The channels of the architecture `dense`; the map that tells sides comes behind those of all joints.
 EncoderDecoderShape dense_shape(const NetworkOptions& options);
 
 /// Its arrays, as `network_arrays` has them.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/net/dense_inference.h"
 
-#include <cmath>
-
 #include "knuckle/net/dense_architecture.h"
 #include "knuckle/net/layers/map_operations.h"
 #include "knuckle/net/vote_aggregation.h"
@@ -25,13 +23,7 @@ NetworkPrediction DenseInference::predict(const Image<float>& patch) const {
   return pool_.with_workspace([&](EncoderDecoder::Maps& maps) {
     copy_image(patch, maps.input);
     network_.apply(maps);
-    NetworkPrediction prediction =
-        aggregate_votes(maps.maps, patch, options_.joint_count(), options_.dense.kernel);
-    if (options_.dense.tells_side) {
-      const double logit = mean_over_hand(maps.maps, patch, side_map(options_));
-      prediction.right_hand = 1.0 / (1.0 + std::exp(-logit));
-    }
-    return prediction;
+    return aggregate_votes(maps.maps, patch, options_.joint_count(), options_.dense.kernel);
   });
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "knuckle/net/dense_architecture.h"
 #include "knuckle/patch/cube_patch.h"
@@ -42,6 +44,16 @@ std::vector<Cell> voting_cells(const FeatureMap& votes, const Image<float>& patc
   const auto is_background = [](const Cell& cell) { return cell.d >= kCubeBackground; };
   if (!std::ranges::all_of(cells, is_background)) std::erase_if(cells, is_background);
   return cells;
+}
+
+double mean_of_map(const std::vector<Cell>& cells, int map) {
+  double sum = 0.0;
+  for (const Cell& cell : cells) sum += cell.channels[map];
+  return sum / static_cast<double>(cells.size());
+}
+
+double logistic(double logit) {
+  return 1.0 / (1.0 + std::exp(-logit));
 }
 
 /// All numbers of all joints, so that one loop works on several joints at a time.
@@ -133,14 +145,13 @@ class VoteAggregation {
 
 NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& patch, int joint_count,
                                   double kernel) {
-  return VoteAggregation(voting_cells(votes, patch), joint_count, kernel).aggregate();
-}
-
-double mean_over_hand(const FeatureMap& votes, const Image<float>& patch, int channel) {
-  const std::vector<Cell> cells = voting_cells(votes, patch);
-  double sum = 0.0;
-  for (const Cell& cell : cells) sum += cell.channels[channel];
-  return sum / static_cast<double>(cells.size());
+  std::vector<Cell> cells = voting_cells(votes, patch);
+  const int side_map = kMapsPerJoint * joint_count;
+  std::optional<double> right_hand;
+  if (votes.channels() > side_map) right_hand = logistic(mean_of_map(cells, side_map));
+  NetworkPrediction prediction = VoteAggregation(std::move(cells), joint_count, kernel).aggregate();
+  prediction.right_hand = right_hand;
+  return prediction;
 }
 
 }  // namespace knuckle

@@ -12,11 +12,9 @@ namespace knuckle {
 /// are hand (of all cells where none is), under the softmax of their weights.
 ///
 /// `votes`: a cell a quarter of the patch's resolution; channels are offset u (of all joints), v, d,
-/// closeness, weight. `kernel`: the distance of the closeness 0.
+/// closeness, weight, and in networks that tell sides one more, whose mean over these cells is the logit of a
+/// right hand. `kernel`: the distance of the closeness 0.
 NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& patch, int joint_count,
                                   double kernel);
-
-/// The mean of one channel over the cells that vote.
-double mean_over_hand(const FeatureMap& votes, const Image<float>& patch, int channel);
 
 }  // namespace knuckle

@@ -2,6 +2,7 @@
 #include "knuckle/track/tracker.h"
 
 #include <cmath>
+#include <functional>
 #include <thread>
 
 #include "knuckle/camera/projection.h"
@@ -38,6 +39,7 @@ struct World {
   double noise_mm = 0.0;
   double size = 1.0;
   int searches = 0;  // of all of a frame
+  std::function<void()> while_searching = [] {};
   Random random{5};
 };
 
@@ -48,6 +50,7 @@ class TrueSegmenter final : public Segmenter {
   Segmentation segment(const Frame&, const std::optional<Point3>& start, int max_hands) const override {
     Segmentation found;
     world_.searches += start ? 0 : 1;
+    world_.while_searching();
     for (const TrueHand& hand : world_.hands) {
       if (start && (hand.middle - *start).norm() > 120.0) continue;
       if (std::ssize(found.hands) == max_hands) break;
@@ -296,6 +299,20 @@ TEST_F(TrackerTest, EmptyFramesAndOtherCamerasDoNoHarm) {
   small.depth_mm = Image<float>(1, 1, 600.0f);
   small.time_s = 0.06;
   EXPECT_NO_THROW(tracker.update(small));
+}
+
+TEST_F(TrackerTest, ASecondThreadGetsAnError) {
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {});
+  std::string error;
+  world_.while_searching = [&] {
+    std::thread([&] { error = error_of([&] { tracker.update(frame_at(0.1)); }); }).join();
+  };
+  world_.hands = {{}};
+  EXPECT_EQ(tracker.update(frame_at(0.0)).size(), 1u);
+  EXPECT_THAT(error, HasSubstr("two threads"));
+  world_.while_searching = [] {};
+  EXPECT_EQ(tracker.update(frame_at(0.1)).size(), 1u) << "and does no harm";
 }
 
 TEST_F(TrackerTest, OptionsOutOfRangeAreRefused) {

@@ -8,23 +8,13 @@
 #include <torch/utils.h>
 
 #include "knuckle/core/parallel.h"
+#include "knuckle/core/statistics.h"
 #include "knuckle/training/torch_threads.h"
 
 namespace knuckle {
 namespace {
 
 constexpr std::int64_t kChunk = 32;
-
-struct ErrorSum {
-  double mm = 0.0;
-  std::int64_t joints = 0;
-
-  void add(const ErrorSum& other) {
-    mm += other.mm;
-    joints += other.joints;
-  }
-  double mean() const { return joints == 0 ? kNaN : mm / static_cast<double>(joints); }
-};
 
 /// Samples that go through the network together.
 class Chunk {
@@ -33,7 +23,7 @@ class Chunk {
       : samples_(samples), viewer_(samples), first_(first), views_(static_cast<std::size_t>(count)) {}
 
   /// Predicts the joints in the present views; their errors.
-  ErrorSum look(NetworkModule& network, const torch::Device& device) {
+  RunningMean look(NetworkModule& network, const torch::Device& device) {
     const int64_t count = std::ssize(views_);
     const int64_t size = samples_.patch().size_px;
     const auto numbers = static_cast<std::size_t>(samples_.joint_count()) * 3;
@@ -47,7 +37,7 @@ class Chunk {
     patches = patches.to(device);
     const torch::Tensor joints = network.decode(network.forward(patches), patches).joints.cpu().contiguous();
     predicted_.assign(joints.data_ptr<float>(), joints.data_ptr<float>() + joints.numel());
-    ErrorSum sum;
+    RunningMean sum;
     std::vector<float> truth(numbers);
     for (int64_t i = 0; i < count; ++i) {
       viewer_.view_joints(sample(i), views_[i], truth);
@@ -68,13 +58,12 @@ class Chunk {
   CubeSample sample(int64_t i) const { return samples_.sample(first_ + i); }
 
   /// A joint that is not known does not count; one that is predicted as NaN makes the sum NaN.
-  void add_error(ErrorSum& sum, int64_t i, std::size_t j, const std::vector<float>& truth) const {
+  void add_error(RunningMean& sum, int64_t i, std::size_t j, const std::vector<float>& truth) const {
     if (!std::isfinite(truth[j] + truth[j + 1] + truth[j + 2])) return;
     const float* const found = predicted_.data() + static_cast<std::size_t>(i) * truth.size() + j;
     const Point3 at = viewer_.in_camera(sample(i), views_[i], std::span<const float, 3>(found, 3));
     const Point3 is = viewer_.in_camera(sample(i), views_[i], std::span<const float, 3>(truth.data() + j, 3));
-    sum.mm += (at - is).norm();
-    ++sum.joints;
+    sum.add((at - is).norm());
   }
 
   const CubeSamples& samples_;
@@ -89,8 +78,8 @@ class Chunk {
 std::vector<double> validation_errors(NetworkModule& network, const CubeSamples& samples,
                                       const torch::Device& device) {
   const std::int64_t chunks = (samples.size() + kChunk - 1) / kChunk;
-  std::vector<ErrorSum> first(static_cast<std::size_t>(chunks));
-  std::vector<ErrorSum> second(first.size());
+  std::vector<RunningMean> first(static_cast<std::size_t>(chunks));
+  std::vector<RunningMean> second(first.size());
   parallel_for(chunks, [&](std::int64_t c) {
     use_calling_thread_alone();
     const c10::InferenceMode inference;
@@ -99,11 +88,11 @@ std::vector<double> validation_errors(NetworkModule& network, const CubeSamples&
     chunk.move_to_joints_found();
     second[static_cast<std::size_t>(c)] = chunk.look(network, device);
   });
-  ErrorSum first_sum;
-  ErrorSum second_sum;
-  for (const ErrorSum& sum : first) first_sum.add(sum);
-  for (const ErrorSum& sum : second) second_sum.add(sum);
-  return {first_sum.mean(), second_sum.mean()};
+  RunningMean first_sum;
+  RunningMean second_sum;
+  for (const RunningMean& sum : first) first_sum.add(sum);
+  for (const RunningMean& sum : second) second_sum.add(sum);
+  return {first_sum.value(), second_sum.value()};
 }
 
 }  // namespace knuckle

@@ -4,32 +4,19 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "knuckle/core/frame.h"
+#include "knuckle/core/statistics.h"
 
 namespace knuckle {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr float kSmoothMm = 15.0f;   ///< neighbours on one surface differ by at most this
 constexpr float kJumpMm = 30.0f;     ///< surfaces on both sides of a depth edge differ by more than this
 constexpr float kHangingMm = 10.0f;  ///< a flying pixel is farther than this from both
 constexpr int kOutlineReachPx = 3;   ///< an outline moves at most this much from row to row
-
-/// Mean of what is added; unknown where nothing was.
-struct Mean {
-  double sum = 0.0;
-  std::int64_t count = 0;
-
-  void add(double value) {
-    sum += value;
-    ++count;
-  }
-  double value() const { return count == 0 ? kUnknown : sum / static_cast<double>(count); }
-};
 
 /// A hand in its frame, in the frame's coordinates.
 struct Hand {
@@ -53,9 +40,9 @@ void for_each_pixel(const Box& box, const Visit& visit) {
 }
 
 void measure_depths(const Hand& hand, HandStatistics& statistics) {
-  Mean depth;
-  Mean square;
-  Mean valid;
+  RunningMean depth;
+  RunningMean square;
+  RunningMean valid;
   for_each_pixel(hand.box, [&](int column, int row) {
     const float here = hand.depth(column, row);
     valid.add(is_measured(here) ? 1.0 : 0.0);
@@ -69,7 +56,7 @@ void measure_depths(const Hand& hand, HandStatistics& statistics) {
 }
 
 double surface_noise_mm(const Hand& hand) {
-  Mean size;
+  RunningMean size;
   for_each_pixel(hand.box, [&](int column, int row) {
     for (const auto& [x, y] : {std::pair{1, 0}, {0, 1}}) {
       if (!hand.is_hand(column, row) || !hand.is_hand(column - x, row - y) ||
@@ -99,7 +86,7 @@ std::optional<int> outline_near(const Hand& hand, int column, int row, int side)
 }
 
 double edge_noise_px(const Hand& hand) {
-  Mean square;
+  RunningMean square;
   for_each_pixel(hand.box, [&](int column, int row) {
     for (int side = 0; side < 2; ++side) {
       if (!is_outline(hand, column, row, side)) continue;
@@ -114,7 +101,7 @@ double edge_noise_px(const Hand& hand) {
 }
 
 double flying_share(const Hand& hand) {
-  Mean flying;
+  RunningMean flying;
   for_each_pixel(hand.box, [&](int column, int row) {
     const float here = hand.depth(column, row);
     for (const auto& [x, y] : {std::pair{1, 0}, {0, 1}}) {
@@ -149,7 +136,7 @@ HandStatistics hand_statistics(const Image<float>& depth_mm, const Box& box,
 HandStatistics mean_of(std::span<const HandStatistics> frames) {
   HandStatistics result;
   for (const auto value : kValues) {
-    Mean mean;
+    RunningMean mean;
     for (const HandStatistics& frame : frames) {
       if (std::isfinite(frame.*value)) mean.add(frame.*value);
     }

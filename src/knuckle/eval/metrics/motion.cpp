@@ -7,24 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "knuckle/core/statistics.h"
 #include "knuckle/data/truth.h"
 
 namespace knuckle {
 namespace {
 
 using Points = std::vector<Point3>;  // NaN where not known
-
-/// A mean that grows.
-struct RunningMean {
-  double sum = 0.0;
-  std::int64_t count = 0;
-
-  void add(double value) {
-    sum += value;
-    ++count;
-  }
-  double value() const { return count == 0 ? kNaN : sum / static_cast<double>(count); }
-};
 
 /// The landmarks of a pose that both conventions have, in the order of the truth's.
 Points shared(const Points& points, const std::vector<int>& places) {
