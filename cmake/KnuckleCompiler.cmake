@@ -8,7 +8,7 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
-option(KNUCKLE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+set(KNUCKLE_SANITIZE "" CACHE STRING "Sanitizers to build with: `address` (and that of undefined behaviour), `thread`, or none")
 option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .ci/run: other compilers warn of other things
 # All is built in half the time so, but after a change more of it has to be. Names must differ within a module, even those
 # in unnamed namespaces.
@@ -46,9 +46,14 @@ if(KNUCKLE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
   add_compile_definitions(FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION)
 endif()
-if(KNUCKLE_SANITIZE)
+if(KNUCKLE_SANITIZE STREQUAL "address")
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
+elseif(KNUCKLE_SANITIZE STREQUAL "thread")
+  add_compile_options(-fsanitize=thread -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=thread)
+elseif(KNUCKLE_SANITIZE)
+  message(FATAL_ERROR "KNUCKLE_SANITIZE is '${KNUCKLE_SANITIZE}', expected `address`, `thread` or nothing")
 endif()
 
 add_library(knuckle_warnings INTERFACE)

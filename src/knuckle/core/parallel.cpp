@@ -9,6 +9,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
+#include "knuckle/core/thread_hand_over.h"
 
 namespace knuckle {
 namespace {
@@ -35,10 +36,16 @@ void set_thread_count(int count) {
 }
 
 void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& work) {
+  ThreadHandOver begun;
+  ThreadHandOver done;
+  begun.give();
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) {
+    begun.take();
     end_if_interrupted();
     work(i);
+    done.give();
   });
+  done.take();
 }
 
 }  // namespace knuckle
