@@ -10,161 +10,50 @@
 #include <Eigen/SVD>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/portable_math.h"
+#include "knuckle/hand/skeleton_energy.h"
 
 namespace knuckle {
 namespace {
 
 using Points = std::array<Point3, kSupersetSize>;
-constexpr int kParameters = kHandAngleCount + 7;
-using Vector = Eigen::Matrix<double, kParameters, 1>;
-using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
 
 constexpr double kFirstDamping = 1e-3;
 constexpr double kLargestDamping = 1e8;
-constexpr double kLeastGain = 1e-6;  ///< of the energy, relative; a smaller step is the last
+constexpr double kLeastGain = 1e-5;  ///< of the energy, relative; a smaller step is the last
 constexpr std::size_t kFewestTargets = 3;
-
-/// A hand that does nothing: fingers a little bent, the thumb beside and before them.
-HandAngles bent(double mcp, double pip) {
-  using enum HandAngle;
-  HandAngles angles;
-  angles[thumb_radial] = 0.4;
-  angles[thumb_palmar] = 0.5;
-  angles[thumb_mcp] = angles[thumb_ip] = 0.25;
-  for (int finger = 0; finger < 4; ++finger) {
-    const FingerAngleNames names = angles_of_finger(finger);
-    angles[names.mcp] = mcp;
-    angles[names.pip] = pip;
-    angles[names.dip] = coupled_dip(pip);
-  }
-  return angles;
-}
-HandAngles resting() {
-  return bent(0.3, 0.4);
-}
-
-bool is_known(const LandmarkTarget& target) {
-  return target.weight > 0.0 && target.point.allFinite();
-}
 
 std::size_t known_count(const LandmarkTargets& targets) {
   return static_cast<std::size_t>(std::ranges::count_if(targets, is_known));
 }
 
-void check_arguments(const LandmarkTargets& targets, const SkeletonFitOptions& options) {
+void check_arguments(const LandmarkTargets& targets, const HandSurface& surface,
+                     const SkeletonFitOptions& options) {
   const auto check_above_0 = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value))
       fail("skeleton fit: {} is {}, expected above 0", name, value);
   };
   check_above_0(options.noise_mm, "noise_mm");
   check_above_0(options.posture_rad, "posture_rad");
-  if (!(options.size_spread >= 0.0) || !std::isfinite(options.size_spread))
-    fail("skeleton fit: size_spread is {}, expected 0 or more", options.size_spread);
+  check_above_0(options.expected_rad, "expected_rad");
+  check_above_0(options.surface_mm, "surface_mm");
+  check_above_0(options.size, "size");
+  for (const auto& digit : options.lengths) {
+    for (const double length : digit) check_above_0(length, "lengths");
+  }
+  const auto check_not_below_0 = [](double value, const char* name) {
+    if (!(value >= 0.0) || !std::isfinite(value))
+      fail("skeleton fit: {} is {}, expected 0 or more", name, value);
+  };
+  check_not_below_0(options.size_spread, "size_spread");
+  check_not_below_0(options.length_spread, "length_spread");
   if (options.most_steps < 1) fail("skeleton fit: most_steps is {}, expected 1 or more", options.most_steps);
   for (const LandmarkTarget& target : targets) {
     if (!(target.weight >= 0.0) || !std::isfinite(target.weight))
       fail("skeleton fit: a landmark's weight is {}, expected a finite number, 0 or more", target.weight);
   }
+  if (!std::ranges::all_of(surface.points, [](const Point3& point) { return point.allFinite(); }))
+    fail("skeleton fit: a point of the surface is not finite");
 }
-
-/// Landmarks and derivatives in the parameters of LandmarkJacobian; the last is the logarithm of the size.
-Points posed(const HandSkeleton& skeleton, const SkeletonPose& pose, LandmarkJacobian* jacobian) {
-  Points points = landmarks(skeleton, pose.angles, pose.camera_from_hand, jacobian);
-  const Point3 wrist = pose.camera_from_hand.translation();
-  for (Point3& point : points) point = wrist + pose.size * (point - wrist);
-  if (jacobian != nullptr) {
-    jacobian->leftCols<kShiftColumn>() *= pose.size;
-    jacobian->col(kSizeColumn) *= pose.size;
-  }
-  return points;
-}
-
-/// What is to be made small, and its first and (as Gauss and Newton have it) second derivatives.
-struct Linearised {
-  double energy = 0.0;
-  Vector gradient = Vector::Zero();
-  Matrix curvature = Matrix::Zero();
-};
-
-class Energy {
- public:
-  Energy(const HandSkeleton& skeleton, const LandmarkTargets& targets, const SkeletonFitOptions& options)
-      : skeleton_(skeleton), targets_(targets), options_(options), rest_(resting()) {}
-
-  double at(const SkeletonPose& pose) const {
-    const Points points = posed(skeleton_, pose, nullptr);
-    double energy = prior_of(pose);
-    for (int i = 0; i < kSupersetSize; ++i) {
-      if (is_known(targets_[i])) energy += 0.5 * weight(i) * (points[i] - targets_[i].point).squaredNorm();
-    }
-    return energy;
-  }
-
-  Linearised linearised(const SkeletonPose& pose) const {
-    LandmarkJacobian jacobian;
-    const Points points = posed(skeleton_, pose, &jacobian);
-    Linearised result;
-    result.energy = prior_of(pose);
-    for (int i = 0; i < kSupersetSize; ++i) {
-      if (!is_known(targets_[i])) continue;
-      const Point3 residual = points[i] - targets_[i].point;
-      const Eigen::Matrix<double, 3, kParameters> rows = jacobian.middleRows<3>(3 * i);
-      result.energy += 0.5 * weight(i) * residual.squaredNorm();
-      result.gradient += weight(i) * rows.transpose() * residual;
-      result.curvature += weight(i) * rows.transpose() * rows;
-    }
-    add_prior(pose, result);
-    return result;
-  }
-
-  double rms_mm(const SkeletonPose& pose) const {
-    const Points points = posed(skeleton_, pose, nullptr);
-    double sum = 0.0;
-    double weights = 0.0;
-    for (int i = 0; i < kSupersetSize; ++i) {
-      if (!is_known(targets_[i])) continue;
-      sum += targets_[i].weight * (points[i] - targets_[i].point).squaredNorm();
-      weights += targets_[i].weight;
-    }
-    return std::sqrt(sum / weights);
-  }
-
- private:
-  double weight(int landmark) const {
-    return targets_[landmark].weight / (options_.noise_mm * options_.noise_mm);
-  }
-
-  double prior_of(const SkeletonPose& pose) const {
-    double sum = 0.0;
-    for (int i = 0; i < kHandAngleCount; ++i) {
-      const double away = (pose.angles.radians[i] - rest_.radians[i]) / options_.posture_rad;
-      sum += away * away;
-    }
-    if (options_.size_spread > 0.0) {
-      const double away = portable_log(pose.size) / options_.size_spread;
-      sum += away * away;
-    }
-    return 0.5 * sum;
-  }
-
-  void add_prior(const SkeletonPose& pose, Linearised& result) const {
-    const double of_angles = 1.0 / (options_.posture_rad * options_.posture_rad);
-    for (int i = 0; i < kHandAngleCount; ++i) {
-      result.gradient[i] += of_angles * (pose.angles.radians[i] - rest_.radians[i]);
-      result.curvature(i, i) += of_angles;
-    }
-    if (options_.size_spread == 0.0) return;
-    const double of_size = 1.0 / (options_.size_spread * options_.size_spread);
-    result.gradient[kSizeColumn] += of_size * portable_log(pose.size);
-    result.curvature(kSizeColumn, kSizeColumn) += of_size;
-  }
-
-  const HandSkeleton& skeleton_;
-  const LandmarkTargets& targets_;
-  const SkeletonFitOptions& options_;
-  HandAngles rest_;
-};
 
 /// Holds a parameter: it neither moves nor moves others.
 void hold(int parameter, Linearised& at) {
@@ -172,6 +61,13 @@ void hold(int parameter, Linearised& at) {
   at.curvature.row(parameter).setZero();
   at.curvature.col(parameter).setZero();
   at.curvature(parameter, parameter) = 1.0;
+}
+
+/// Holds what an option says not to change.
+void hold_what_is_given(const SkeletonFitOptions& options, Linearised& at) {
+  if (options.size_spread == 0.0) hold(kSizeColumn, at);
+  if (options.length_spread > 0.0) return;
+  for (int column = kLengthColumn; column < kSkeletonUnknowns; ++column) hold(column, at);
 }
 
 /// Holds angles at a limit, also one that depends on other angles, that would have to go beyond it.
@@ -185,30 +81,20 @@ void hold_at_limits(const HandSkeleton& skeleton, const SkeletonPose& pose, Line
   }
 }
 
-SkeletonPose stepped(const HandSkeleton& skeleton, const SkeletonPose& pose, const Vector& step) {
-  SkeletonPose next = pose;
-  for (int i = 0; i < kHandAngleCount; ++i) next.angles.radians[i] += step[i];
-  next.angles = clamped(next.angles, skeleton.limits);
-  next.camera_from_hand =
-      moved(pose.camera_from_hand, step.segment<3>(kTurnColumn), step.segment<3>(kShiftColumn));
-  next.size = pose.size * portable_exp(std::clamp(step[kSizeColumn], -0.5, 0.5));
-  return next;
-}
-
-Vector damped_step(const Linearised& at, double damping) {
-  Matrix damped = at.curvature;
+SkeletonStep damped_step(const Linearised& at, double damping) {
+  auto damped = at.curvature;
   damped.diagonal() *= 1.0 + damping;
   damped.diagonal().array() += 1e-12;
   return damped.ldlt().solve(-at.gradient);
 }
 
-SkeletonFit descended(const HandSkeleton& skeleton, const Energy& energy, const SkeletonFitOptions& options,
-                      const SkeletonPose& first) {
+SkeletonFit descended(const HandSkeleton& skeleton, const SkeletonEnergy& energy,
+                      const SkeletonFitOptions& options, const SkeletonPose& first) {
   SkeletonFit fit{first, 0.0, energy.at(first), 0};
   double damping = kFirstDamping;
   while (fit.steps < options.most_steps) {
     Linearised at = energy.linearised(fit.pose);
-    if (options.size_spread == 0.0) hold(kSizeColumn, at);
+    hold_what_is_given(options, at);
     hold_at_limits(skeleton, fit.pose, at);
     double gain = 0.0;
     for (; gain <= 0.0 && damping < kLargestDamping; damping *= 4.0) {
@@ -231,10 +117,12 @@ SkeletonFit descended(const HandSkeleton& skeleton, const Energy& energy, const 
   return fit;
 }
 
-/// The posture as a rigid body, of size 1, where it lies best on the targets.
-SkeletonPose laid_on(const HandSkeleton& skeleton, const HandAngles& angles, const LandmarkTargets& targets) {
-  const SkeletonPose straight{clamped(angles, skeleton.limits), RigidTransform::Identity(), 1.0};
-  const Points points = posed(skeleton, straight, nullptr);
+/// The posture as a rigid body, of the size that is known, where it lies best on the targets.
+SkeletonPose laid_on(const HandSkeleton& skeleton, const HandAngles& angles, const LandmarkTargets& targets,
+                     const SkeletonFitOptions& options) {
+  const SkeletonPose straight{clamped(angles, skeleton.limits), RigidTransform::Identity(), options.size,
+                              options.lengths};
+  const Points points = landmarks(skeleton, straight);
   Point3 from_mean = Point3::Zero();
   Point3 to_mean = Point3::Zero();
   double weights = 0.0;
@@ -260,11 +148,13 @@ SkeletonPose laid_on(const HandSkeleton& skeleton, const HandAngles& angles, con
   return laid;
 }
 
-SkeletonPose first_pose(const HandSkeleton& skeleton, const Energy& energy, const LandmarkTargets& targets) {
+SkeletonPose first_pose(const HandSkeleton& skeleton, const SkeletonEnergy& energy,
+                        const LandmarkTargets& targets, const SkeletonFitOptions& options) {
   SkeletonPose best;
   double lowest = std::numeric_limits<double>::infinity();
-  for (const HandAngles& posture : {resting(), bent(0.2, 1.4), bent(1.2, 0.3), bent(1.2, 1.4)}) {
-    const SkeletonPose laid = laid_on(skeleton, posture, targets);
+  for (const HandAngles& posture :
+       {resting_hand(), bent_hand(0.2, 1.4), bent_hand(1.2, 0.3), bent_hand(1.2, 1.4)}) {
+    const SkeletonPose laid = laid_on(skeleton, posture, targets, options);
     const double found = energy.at(laid);
     if (found >= lowest) continue;
     lowest = found;
@@ -276,18 +166,31 @@ SkeletonPose first_pose(const HandSkeleton& skeleton, const Energy& energy, cons
 }  // namespace
 
 Points landmarks(const HandSkeleton& skeleton, const SkeletonPose& pose) {
-  return posed(skeleton, pose, nullptr);
+  Points points = landmarks(skeleton, pose.angles, pose.camera_from_hand);
+  const Point3 wrist = pose.camera_from_hand.translation();
+  for (Point3& point : points) point = wrist + pose.size * (point - wrist);
+  const Points of_skeleton = points;
+  for (int digit = 0; digit < 5; ++digit) {
+    for (int bone = 0; bone < 3; ++bone) {
+      const auto from = static_cast<std::size_t>(landmark_of_digit(digit, bone));
+      const auto to = static_cast<std::size_t>(landmark_of_digit(digit, bone + 1));
+      points[to] = points[from] + pose.lengths[digit][bone] * (of_skeleton[to] - of_skeleton[from]);
+    }
+  }
+  return points;
 }
 
 std::optional<SkeletonFit> fit_skeleton(const HandSkeleton& skeleton, const LandmarkTargets& targets,
                                         const SkeletonFitOptions& options,
-                                        const std::optional<SkeletonPose>& start) {
-  check_arguments(targets, options);
+                                        const std::optional<SkeletonPose>& start,
+                                        const HandSurface& surface) {
+  check_arguments(targets, surface, options);
   if (known_count(targets) < kFewestTargets) return std::nullopt;
-  const Energy energy(skeleton, targets, options);
-  SkeletonPose first = start ? *start : first_pose(skeleton, energy, targets);
+  const SkeletonEnergy energy(skeleton, targets, surface, options);
+  SkeletonPose first = start ? *start : first_pose(skeleton, energy, targets, options);
   first.angles = clamped(first.angles, skeleton.limits);
-  if (options.size_spread == 0.0) first.size = 1.0;
+  if (options.size_spread == 0.0) first.size = options.size;
+  if (options.length_spread == 0.0) first.lengths = options.lengths;
   return descended(skeleton, energy, options, first);
 }
 

@@ -5,14 +5,20 @@
 #include <optional>
 
 #include "knuckle/hand/hand_skeleton.h"
+#include "knuckle/hand/hand_surface.h"
 
 namespace knuckle {
 
-/// A hand in a pose: the skeleton's angles, where its wrist is, and its size.
+/// One number per bone of the digits: thumb to little, each from the palm outwards.
+using DigitNumbers = std::array<std::array<double, 3>, 5>;
+inline constexpr DigitNumbers kOnes = {{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+
+/// A hand in a pose: the skeleton's angles, where its wrist is, its size and the proportions of its digits.
 struct SkeletonPose {
   HandAngles angles;
   RigidTransform camera_from_hand = RigidTransform::Identity();
-  double size = 1.0;  ///< factor on all of the skeleton's lengths, above 0
+  double size = 1.0;             ///< factor on all of the skeleton's lengths, above 0
+  DigitNumbers lengths = kOnes;  ///< factors on the lengths of the digits' bones besides, above 0
 };
 
 /// The 22 landmarks of a hand in a pose, in camera coordinates [mm].
@@ -26,12 +32,19 @@ struct LandmarkTarget {
 /// One per landmark, in the order of Landmark.
 using LandmarkTargets = std::array<LandmarkTarget, kSupersetSize>;
 
-/// What is known of a hand before it is seen: deviations of normal distributions.
+/// What is known of a hand before it is seen: means and deviations of normal distributions, of sizes and
+/// lengths those of their logarithms.
 struct SkeletonFitOptions {
-  double noise_mm = 4.0;      ///< of a target of weight 1, (0, inf) [mm]
-  double posture_rad = 0.8;   ///< of an angle around the hand at rest, (0, inf) [rad]
-  double size_spread = 0.12;  ///< of the logarithm of the size around 0, [0, inf); 0: the size stays 1
-  int most_steps = 40;        ///< at least 1
+  double noise_mm = 4.0;                    ///< of a target of weight 1, (0, inf) [mm]
+  double posture_rad = 0.8;                 ///< of an angle around the hand at rest, (0, inf) [rad]
+  std::optional<HandAngles> expected = {};  ///< angles, where a moment before says what they should be
+  double expected_rad = 0.2;                ///< of an angle around what is expected, (0, inf) [rad]
+  double size = 1.0;                        ///< mean of SkeletonPose::size, (0, inf)
+  double size_spread = 0.12;                ///< [0, inf); 0: the size is known
+  DigitNumbers lengths = kOnes;             ///< means of SkeletonPose::lengths, (0, inf)
+  double length_spread = 0.07;              ///< [0, inf); 0: the lengths are known
+  double surface_mm = 3.0;  ///< of measured points from the skin, (0, inf) [mm]; all count as 22 landmarks
+  int most_steps = 40;      ///< at least 1
 };
 
 /// A skeleton fitted to landmarks.
@@ -47,9 +60,14 @@ struct SkeletonFit {
 /// beyond it. It begins with `start`, or with the best of four postures, each laid on the targets as a rigid
 /// body (Umeyama 1991). Nothing where fewer than three targets are known. Takes about 0.8 ms; allocates
 /// nothing per step; safe to call from many threads. Throws an Error where an option is out of range, or a
-/// weight is negative or not finite.
+/// weight is negative or not finite, or a point of the surface is not finite.
+///
+/// With a `surface`, the skin is drawn to its points, and flesh that floats before what was measured to the
+/// nearest of them; a point that is far from the skin counts little (Geman and McClure 1985), since it may be
+/// another thing's.
 std::optional<SkeletonFit> fit_skeleton(const HandSkeleton& skeleton, const LandmarkTargets& targets,
                                         const SkeletonFitOptions& options = {},
-                                        const std::optional<SkeletonPose>& start = std::nullopt);
+                                        const std::optional<SkeletonPose>& start = std::nullopt,
+                                        const HandSurface& surface = {});
 
 }  // namespace knuckle

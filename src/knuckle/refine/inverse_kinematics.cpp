@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/refine/inverse_kinematics.h"
 
-#include "knuckle/camera/projection.h"
+#include <utility>
+
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/refine/skeleton_pose.h"
 
 namespace knuckle {
 
@@ -17,33 +19,14 @@ InverseKinematics::InverseKinematics(const InverseKinematicsOptions& options) : 
   check_options(options_, "inverse kinematics");
 }
 
-LandmarkTargets targets_of(const HandPose& pose, const Camera& camera) {
-  const Projection projection(camera);
-  LandmarkTargets targets;
-  for (std::size_t i = 0; i < pose.joints.size(); ++i) {
-    const auto landmark = static_cast<std::size_t>(pose.convention.landmarks[i]);
-    if (landmark >= targets.size() || pose.joints[i].is_missing()) continue;
-    targets[landmark].point = projection.to_camera(pose.joints[i]);
-    targets[landmark].weight = pose.confidence.empty() ? 1.0 : static_cast<double>(pose.confidence[i]);
-  }
-  return targets;
-}
-
 HandPose InverseKinematics::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
   const SkeletonFitOptions options{.noise_mm = options_.noise_mm,
                                    .posture_rad = options_.posture_rad,
-                                   .size_spread = options_.size_spread};
+                                   .size_spread = options_.size_spread,
+                                   .length_spread = 0.0};
   const auto fit = fit_skeleton(adult_skeleton(), targets_of(pose, frame.camera), options);
   if (!fit) return pose;
-  const Projection projection(frame.camera);
-  const auto points = landmarks(adult_skeleton(), fit->pose);
-  for (std::size_t i = 0; i < pose.joints.size(); ++i) {
-    const auto landmark = static_cast<std::size_t>(pose.convention.landmarks[i]);
-    if (landmark >= points.size() || !(points[landmark].z() > 0.0)) continue;
-    if (pose.joints[i].is_missing() && !options_.fill) continue;
-    pose.joints[i] = projection.to_image(points[landmark]);
-  }
-  return pose;
+  return with_skeleton(std::move(pose), adult_skeleton(), fit->pose, frame.camera, options_.fill);
 }
 
 }  // namespace knuckle

@@ -31,7 +31,4 @@ class InverseKinematics final : public Refiner {
   InverseKinematicsOptions options_;
 };
 
-/// The joints of a pose as targets of a fit, weighted by their confidences (1 where there are none).
-LandmarkTargets targets_of(const HandPose& pose, const Camera& camera);
-
 }  // namespace knuckle

@@ -7,6 +7,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/named_table.h"
 #include "knuckle/refine/depth_lookup.h"
+#include "knuckle/refine/hand_model.h"
 #include "knuckle/refine/inverse_kinematics.h"
 
 namespace knuckle {
@@ -28,6 +29,7 @@ struct RefinementMethod {
 
 constexpr std::array kMethods{
     RefinementMethod{"depth_lookup", create<DepthLookup, DepthLookupOptions>},
+    RefinementMethod{"hand_model", create<HandModel, HandModelOptions>},
     RefinementMethod{"inverse_kinematics", create<InverseKinematics, InverseKinematicsOptions>},
 };
 constexpr auto kNames = names_of(kMethods);

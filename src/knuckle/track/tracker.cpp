@@ -2,12 +2,16 @@
 #include "knuckle/track/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
-#include "knuckle/data/defined_pose.h"
+#include "knuckle/core/statistics.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/refine/skeleton_pose.h"
+#include "knuckle/refine/surface_near.h"
 #include "knuckle/track/pose_smoother.h"
 
 namespace knuckle {
@@ -21,6 +25,7 @@ constexpr double kReachMm = 150.0;      // of what was predicted: what is farthe
 constexpr double kLostReachMm = 300.0;  // of where a hand was lost for a moment
 constexpr double kSameHandMm = 40.0;    // no two hands' middles are nearer
 constexpr double kPoorFitMm = 10.0;     // a fit from the last pose that is worse is compared with a fresh one
+constexpr double kFingerRadPerSecond = 5.0;  // deviation of an angle's speed
 constexpr int kMostSideVotes = 10;
 
 Point3 in_mirror(const Point3& point, HandSide side) {
@@ -28,18 +33,21 @@ Point3 in_mirror(const Point3& point, HandSide side) {
 }
 
 /// The estimated landmarks as targets for a right hand: a left one's in a mirror.
-LandmarkTargets right_targets(const HandEstimate& estimate, const Projection& projection) {
-  const SupersetPoints points = superset_points(estimate.pose, projection);
-  const std::vector<float>& confidence = estimate.pose.confidence;
-  LandmarkTargets targets;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) continue;
-    const int place = estimate.pose.convention.index_of(static_cast<Landmark>(i));
-    targets[i].point = in_mirror(points[i], estimate.side);
-    targets[i].weight =
-        confidence.empty() ? 1.0 : static_cast<double>(confidence[static_cast<std::size_t>(place)]);
-  }
+LandmarkTargets right_targets(const HandEstimate& estimate, const Camera& camera) {
+  LandmarkTargets targets = targets_of(estimate.pose, camera);
+  for (LandmarkTarget& target : targets) target.point = in_mirror(target.point, estimate.side);
   return targets;
+}
+
+/// What the frame shows near the hand, as that of a right one.
+HandSurface right_surface(const Frame& frame, const HandEstimate& estimate) {
+  HandSurface surface = surface_near(frame, targets_of(estimate.pose, frame.camera));
+  if (estimate.side == HandSide::right) return surface;
+  for (Point3& point : surface.points) point = in_mirror(point, HandSide::left);
+  surface.depth_mm = [depth = std::move(surface.depth_mm)](const Point3& point) {
+    return depth(in_mirror(point, HandSide::left));
+  };
+  return surface;
 }
 
 Point3 middle_of(const SupersetPoints& points) {
@@ -73,6 +81,27 @@ class Turnstile {
 
 }  // namespace
 
+/// A person's hand as frames showed it: means of logarithms.
+class Tracker::Person {
+ public:
+  void learn(const SkeletonPose& pose) {
+    size_.add(std::log(pose.size));
+    for (std::size_t i = 0; i < lengths_.size(); ++i) lengths_[i].add(std::log(pose.lengths[i / 3][i % 3]));
+  }
+  /// Makes what was learned known to a fit.
+  void tell(SkeletonFitOptions& options) const {
+    if (size_.count == 0) return;
+    options.size_spread = options.length_spread = 0.0;
+    options.size = std::exp(size_.value());
+    for (std::size_t i = 0; i < lengths_.size(); ++i)
+      options.lengths[i / 3][i % 3] = std::exp(lengths_[i].value());
+  }
+
+ private:
+  RunningMean size_;
+  std::array<RunningMean, 15> lengths_;
+};
+
 /// A hand that is followed, as a right one: a left one in a mirror.
 struct Tracker::Track {
   Track(int number, double now_s, const TrackerOptions& options)
@@ -80,12 +109,6 @@ struct Tracker::Track {
 
   bool is_seen_at(double now_s) const { return seen_s == now_s && pose.has_value(); }
   HandSide side() const { return side_votes < 0 ? HandSide::left : HandSide::right; }
-  /// The size of the person's hand, as a mean of logarithms.
-  double learned_size() const { return sizes == 0 ? 1.0 : std::exp(log_size_sum / sizes); }
-  void learn(double size) {
-    log_size_sum += std::log(size);
-    ++sizes;
-  }
   void forget_pose() {
     pose.reset();
     smoother.reset();
@@ -104,8 +127,7 @@ struct Tracker::Track {
   PoseSmoother smoother;
   Point3 middle = Point3::Zero();                      // of its landmarks, in the camera
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the middle [mm/s]
-  double log_size_sum = 0.0;
-  int sizes = 0;
+  Person person;
 };
 
 void Tracker::Track::move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options) {
@@ -223,8 +245,8 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& trac
   track.side_votes = std::clamp(track.side_votes + vote, -kMostSideVotes, kMostSideVotes);
   if (estimate.side != track.side()) return false;
   if (before != track.side()) track.forget_pose();  // it was the other hand all the time
-  const LandmarkTargets targets = right_targets(estimate, Projection(frame.camera));
-  const std::optional<SkeletonPose> pose = pose_of(targets, track);
+  const LandmarkTargets targets = right_targets(estimate, frame.camera);
+  const std::optional<SkeletonPose> pose = pose_of(targets, right_surface(frame, estimate), track);
   if (!pose) return false;
   track.move_to(*pose, *now_s_, options_);
   track.score = estimate.score;
@@ -235,23 +257,24 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& trac
   return true;
 }
 
-/// The skeleton fitted to targets from the track's last pose on; of the size that was learned, once it is.
-std::optional<SkeletonPose> Tracker::pose_of(const LandmarkTargets& targets, Track& track) const {
+/// The skeleton fitted to the frame from the track's last pose on; of the size and proportions that were
+/// learned, once they are.
+std::optional<SkeletonPose> Tracker::pose_of(const LandmarkTargets& targets, const HandSurface& surface,
+                                             Track& track) const {
   const bool is_learning = *now_s_ - track.begun_s <= options_.learn_s;
-  const double size = is_learning ? 1.0 : track.learned_size();
-  const HandSkeleton skeleton = scaled(adult_skeleton(), size);
   SkeletonFitOptions options;
-  if (!is_learning) options.size_spread = 0.0;
-  std::optional<SkeletonPose> start = track.pose;
-  if (start && !is_learning) start->size = 1.0;
-  auto fit = fit_skeleton(skeleton, targets, options, start);
-  if (start && (!fit || fit->rms_mm > kPoorFitMm)) {
-    const auto fresh = fit_skeleton(skeleton, targets, options);
+  if (!is_learning) track.person.tell(options);
+  if (track.pose) {
+    options.expected = track.pose->angles;
+    options.expected_rad = kFingerRadPerSecond * (*now_s_ - track.seen_s);
+  }
+  auto fit = fit_skeleton(adult_skeleton(), targets, options, track.pose, surface);
+  if (track.pose && (!fit || fit->rms_mm > kPoorFitMm)) {
+    const auto fresh = fit_skeleton(adult_skeleton(), targets, options, std::nullopt, surface);
     if (fresh && (!fit || fresh->energy < fit->energy)) fit = fresh;
   }
   if (!fit) return std::nullopt;
-  if (is_learning) track.learn(fit->pose.size);
-  fit->pose.size *= size;
+  if (is_learning) track.person.learn(fit->pose);
   return fit->pose;
 }
 
@@ -278,6 +301,7 @@ std::vector<TrackedHand> Tracker::hands_seen(const Frame& frame) const {
     hand.angles = track.smoothed.angles;
     hand.camera_from_hand = track.smoothed.camera_from_hand;
     hand.size = track.smoothed.size;
+    hand.lengths = track.smoothed.lengths;
     hand.pose = HandPose::missing(superset_convention());
     hand.pose.confidence = track.confidence;
     const auto points = landmarks(adult_skeleton(), track.smoothed);

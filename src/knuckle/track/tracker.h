@@ -24,6 +24,7 @@ struct TrackedHand {
   RigidTransform camera_from_hand =
       RigidTransform::Identity();  ///< of a right hand in the mirror, where it is a left one
   double size = 1.0;               ///< of the skeleton, against an adult's
+  DigitNumbers lengths = kOnes;    ///< of its digits' bones besides, against an adult's
   std::string skeleton = "adult";  ///< its name
 };
 
@@ -31,8 +32,9 @@ struct TrackedHand {
 /// estimate.
 ///
 /// A hand is looked for where it was, moved by its velocity; all of the frame is searched only where a hand
-/// is missing, and now and then for new ones. A skeleton is fitted to the estimated landmarks from where it
-/// was in the last frame; its size is learned over the first second. The result is smoothed.
+/// is missing, and now and then for new ones. A skeleton is fitted to the estimated landmarks and to the
+/// depth image from where it was in the last frame; its size and the lengths of its digits are learned over
+/// the first second. The result is smoothed.
 ///
 /// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes
 /// back, stands still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten:
@@ -53,13 +55,15 @@ class Tracker {
   void reset();
 
  private:
+  class Person;
   struct Track;
 
   void step_to(const Frame& frame);
   void follow(const Frame& frame);
   void look_for_more(const Frame& frame);
   bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
-  std::optional<SkeletonPose> pose_of(const LandmarkTargets& targets, Track& track) const;
+  std::optional<SkeletonPose> pose_of(const LandmarkTargets& targets, const HandSurface& surface,
+                                      Track& track) const;
   Track* lost_near(const Point3& middle);
   std::ptrdiff_t seen_count() const;
   void forget_lost_and_doubled();

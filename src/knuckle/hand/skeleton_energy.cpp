@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/hand/skeleton_energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knuckle/core/portable_math.h"
+
+namespace knuckle {
+namespace {
+
+using Points = std::array<Point3, kSupersetSize>;
+
+constexpr double kFarMm = 8.0;  ///< what is nearer to the skin is likely its own
+
+/// A penalty of a gap, and what multiplies the gap in its derivative: half its square where it is small.
+struct GapPenalty {
+  double value;
+  double weight;
+};
+
+/// Of a measured point: no more than half of `kFarMm` squared however large the gap is (Geman and McClure
+/// 1985), since the point may be another thing's.
+GapPenalty of_point(double gap_mm) {
+  const double damped = 1.0 / (1.0 + gap_mm * gap_mm / (kFarMm * kFarMm));
+  return {0.5 * gap_mm * gap_mm * damped, damped * damped};
+}
+
+/// Of flesh where nothing is: it grows on (Huber 1964), since nothing excuses it.
+GapPenalty of_floating(double gap_mm) {
+  if (gap_mm <= kFarMm) return {0.5 * gap_mm * gap_mm, 1.0};
+  return {kFarMm * (gap_mm - 0.5 * kFarMm), kFarMm / gap_mm};
+}
+
+double palm_length(const HandSkeleton& skeleton) {
+  const auto at = [&](Landmark landmark) {
+    return skeleton.landmarks[static_cast<std::size_t>(landmark)].straight_mm;
+  };
+  return (at(Landmark::middle_mcp) - at(Landmark::wrist)).norm();
+}
+
+void add_contact(const SurfaceContact& contact, const GapPenalty& gap, double weight,
+                 const PoseJacobian& jacobian, Linearised& result) {
+  const auto rows = [&](Landmark landmark) { return jacobian.middleRows<3>(3 * static_cast<int>(landmark)); };
+  const HandFlesh& flesh = *contact.flesh;
+  SkeletonStep row = (1.0 - contact.share) * (rows(flesh.from).transpose() * contact.normal) +
+                     contact.share * (rows(flesh.to).transpose() * contact.normal);
+  row[kSizeColumn] -= contact.radius_mm;
+  result.energy += weight * gap.value;
+  result.gradient += weight * gap.weight * contact.gap_mm * row;
+  result.curvature.selfadjointView<Eigen::Lower>().rankUpdate(row, weight * gap.weight);
+}
+
+}  // namespace
+
+Points landmarks(const HandSkeleton& skeleton, const SkeletonPose& pose, PoseJacobian& jacobian) {
+  LandmarkJacobian of_skeleton;
+  Points points = landmarks(skeleton, pose.angles, pose.camera_from_hand, &of_skeleton);
+  of_skeleton.leftCols<kShiftColumn>() *= pose.size;
+  of_skeleton.col(kSizeColumn) *= pose.size;
+  jacobian.setZero();
+  jacobian.leftCols<kLengthColumn>() = of_skeleton;
+  for (int digit = 0; digit < 5; ++digit) {
+    for (int bone = 0; bone < 3; ++bone) {
+      const auto from = static_cast<int>(landmark_of_digit(digit, bone));
+      const auto to = static_cast<int>(landmark_of_digit(digit, bone + 1));
+      const double factor = pose.lengths[digit][bone];
+      jacobian.middleRows<3>(3 * to) = jacobian.middleRows<3>(3 * from);
+      jacobian.block<3, kLengthColumn>(3 * to, 0) +=
+          factor * (of_skeleton.middleRows<3>(3 * to) - of_skeleton.middleRows<3>(3 * from));
+      jacobian.block<3, 1>(3 * to, kLengthColumn + 3 * digit + bone) +=
+          factor * pose.size * (points[to] - points[from]);
+    }
+  }
+  return landmarks(skeleton, pose);
+}
+
+HandAngles bent_hand(double mcp, double pip) {
+  using enum HandAngle;
+  HandAngles angles;
+  angles[thumb_radial] = 0.4;
+  angles[thumb_palmar] = 0.5;
+  angles[thumb_mcp] = angles[thumb_ip] = 0.25;
+  for (int finger = 0; finger < 4; ++finger) {
+    const FingerAngleNames names = angles_of_finger(finger);
+    angles[names.mcp] = mcp;
+    angles[names.pip] = pip;
+    angles[names.dip] = coupled_dip(pip);
+  }
+  return angles;
+}
+
+SkeletonEnergy::SkeletonEnergy(const HandSkeleton& skeleton, const LandmarkTargets& targets,
+                               const HandSurface& surface, const SkeletonFitOptions& options)
+    : skeleton_(skeleton),
+      targets_(targets),
+      surface_(surface),
+      options_(options),
+      palm_mm_(palm_length(skeleton)) {}
+
+double SkeletonEnergy::at(const SkeletonPose& pose) const {
+  const Points points = landmarks(skeleton_, pose);
+  double energy = prior_of(pose);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_known(targets_[i])) energy += 0.5 * weight(i) * (points[i] - targets_[i].point).squaredNorm();
+  }
+  for_each_contact(points, pose.size, [&](const SurfaceContact&, const GapPenalty& gap, double weight) {
+    energy += weight * gap.value;
+  });
+  return energy;
+}
+
+Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
+  PoseJacobian jacobian;
+  const Points points = landmarks(skeleton_, pose, jacobian);
+  Linearised result;
+  result.energy = prior_of(pose);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_known(targets_[i])) continue;
+    const Point3 residual = points[i] - targets_[i].point;
+    const Eigen::Matrix<double, 3, kSkeletonUnknowns> rows =
+        jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    result.energy += 0.5 * weight(i) * residual.squaredNorm();
+    result.gradient += weight(i) * rows.transpose() * residual;
+    result.curvature += weight(i) * rows.transpose() * rows;
+  }
+  for_each_contact(points, pose.size,
+                   [&](const SurfaceContact& contact, const GapPenalty& gap, double weight) {
+                     add_contact(contact, gap, weight, jacobian, result);
+                   });
+  add_prior(pose, result);
+  return result;
+}
+
+double SkeletonEnergy::rms_mm(const SkeletonPose& pose) const {
+  const Points points = landmarks(skeleton_, pose);
+  double sum = 0.0;
+  double weights = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_known(targets_[i])) continue;
+    sum += targets_[i].weight * (points[i] - targets_[i].point).squaredNorm();
+    weights += targets_[i].weight;
+  }
+  return std::sqrt(sum / weights);
+}
+
+double SkeletonEnergy::weight(std::size_t landmark) const {
+  return targets_[landmark].weight / (options_.noise_mm * options_.noise_mm);
+}
+
+double SkeletonEnergy::prior_of(const SkeletonPose& pose) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kHandAngleCount; ++i) {
+    const double away = (pose.angles.radians[i] - rest_.radians[i]) / options_.posture_rad;
+    sum += away * away;
+    if (!options_.expected) continue;
+    const double unexpected =
+        (pose.angles.radians[i] - options_.expected->radians[i]) / options_.expected_rad;
+    sum += unexpected * unexpected;
+  }
+  const auto add_factor = [&](double factor, double mean, double spread) {
+    if (spread == 0.0) return;
+    const double away = portable_log(factor / mean) / spread;
+    sum += away * away;
+  };
+  add_factor(pose.size, options_.size, options_.size_spread);
+  for (int i = 0; i < 15; ++i) {
+    add_factor(pose.lengths[i / 3][i % 3], options_.lengths[i / 3][i % 3], options_.length_spread);
+  }
+  return 0.5 * sum;
+}
+
+void SkeletonEnergy::add_prior(const SkeletonPose& pose, Linearised& result) const {
+  const double of_angles = 1.0 / (options_.posture_rad * options_.posture_rad);
+  for (int i = 0; i < kHandAngleCount; ++i) {
+    result.gradient[i] += of_angles * (pose.angles.radians[i] - rest_.radians[i]);
+    result.curvature(i, i) += of_angles;
+    if (!options_.expected) continue;
+    const double of_expected = 1.0 / (options_.expected_rad * options_.expected_rad);
+    result.gradient[i] += of_expected * (pose.angles.radians[i] - options_.expected->radians[i]);
+    result.curvature(i, i) += of_expected;
+  }
+  const auto add_factor = [&](int column, double factor, double mean, double spread) {
+    if (spread == 0.0) return;
+    result.gradient[column] += portable_log(factor / mean) / (spread * spread);
+    result.curvature(column, column) += 1.0 / (spread * spread);
+  };
+  add_factor(kSizeColumn, pose.size, options_.size, options_.size_spread);
+  for (int i = 0; i < 15; ++i) {
+    add_factor(kLengthColumn + i, pose.lengths[i / 3][i % 3], options_.lengths[i / 3][i % 3],
+               options_.length_spread);
+  }
+}
+
+template <class Visit>
+void SkeletonEnergy::for_each_contact(const Points& points, double size, const Visit& visit) const {
+  if (surface_.points.empty()) return;
+  const PosedFlesh flesh(points, palm_mm_ * size);
+  const double all = kSupersetSize / (options_.surface_mm * options_.surface_mm);
+  for (const Point3& point : surface_.points) {
+    const SurfaceContact contact = flesh.nearest(point);
+    visit(contact, of_point(contact.gap_mm), all / static_cast<double>(surface_.points.size()));
+  }
+  for (int place = 0; place < kFloatPlaces; ++place) {
+    const SurfaceContact contact = flesh.floating(surface_, place);
+    if (contact.flesh != nullptr) visit(contact, of_floating(contact.gap_mm), all / kFloatPlaces);
+  }
+}
+
+SkeletonPose stepped(const HandSkeleton& skeleton, const SkeletonPose& pose, const SkeletonStep& step) {
+  SkeletonPose next = pose;
+  for (int i = 0; i < kHandAngleCount; ++i) next.angles.radians[i] += step[i];
+  next.angles = clamped(next.angles, skeleton.limits);
+  next.camera_from_hand =
+      moved(pose.camera_from_hand, step.segment<3>(kTurnColumn), step.segment<3>(kShiftColumn));
+  const auto factor = [&](int column) { return portable_exp(std::clamp(step[column], -0.5, 0.5)); };
+  next.size *= factor(kSizeColumn);
+  for (int i = 0; i < 15; ++i) next.lengths[i / 3][i % 3] *= factor(kLengthColumn + i);
+  return next;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/refine/hand_model.h"
+
+#include <cmath>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/hand_flesh.h"
+#include "knuckle/hand/skeleton_testing.h"
+#include "knuckle/refine/inverse_kinematics.h"
+#include "knuckle/refine/skeleton_pose.h"
+#include "knuckle/refine/surface_near.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::HasSubstr;
+using Points = std::array<Point3, kSupersetSize>;
+
+constexpr Camera kHandCamera{.width = 320, .height = 240, .fx = 270, .fy = 275, .cx = 150, .cy = 120};
+
+/// A hand with bent fingers, its palm towards the camera.
+Points hand_before_camera(double bend) {
+  SkeletonPose pose;
+  for (int finger = 0; finger < 4; ++finger) {
+    pose.angles[angles_of_finger(finger).mcp] = bend;
+    pose.angles[angles_of_finger(finger).pip] = bend - 0.1 * finger;
+    pose.angles[angles_of_finger(finger).dip] = coupled_dip(bend - 0.1 * finger);
+  }
+  pose.angles[HandAngle::thumb_radial] = 0.5;
+  pose.angles[HandAngle::thumb_palmar] = 0.4;
+  pose.camera_from_hand.linear() = Eigen::DiagonalMatrix<double, 3>(-1.0, 1.0, -1.0);
+  pose.camera_from_hand.translation() = Point3(10, -60, 500);
+  return landmarks(adult_skeleton(), pose);
+}
+
+/// Draws the nearer of what is there and a sphere.
+void draw_sphere(const Point3& centre, double radius, Frame& frame) {
+  const Projection projection(frame.camera);
+  for (int row = 0; row < frame.depth_mm.height(); ++row) {
+    for (int column = 0; column < frame.depth_mm.width(); ++column) {
+      const Point3 ray =
+          projection.to_camera({static_cast<double>(column), static_cast<double>(row), 1.0}).normalized();
+      const double along = ray.dot(centre);
+      const double half = radius * radius - (centre.squaredNorm() - along * along);
+      if (half <= 0.0) continue;
+      const auto depth = static_cast<float>((along - std::sqrt(half)) * ray.z());
+      float& pixel = frame.depth_mm(column, row);
+      if (pixel == 0.0f || depth < pixel) pixel = depth;
+    }
+  }
+}
+
+/// The flesh of a hand before a wall.
+Frame frame_of(const Points& points) {
+  Frame frame;
+  frame.camera = kHandCamera;
+  frame.depth_mm = Image<float>(kHandCamera.width, kHandCamera.height, 900.0f);
+  const double palm = (points[static_cast<std::size_t>(Landmark::middle_mcp)] - points[0]).norm();
+  for (const HandFlesh& flesh : hand_flesh()) {
+    for (double share = 0.0; share <= 1.0; share += 0.125) {
+      draw_sphere((1.0 - share) * points[static_cast<std::size_t>(flesh.from)] +
+                      share * points[static_cast<std::size_t>(flesh.to)],
+                  ((1.0 - share) * flesh.radius_from + share * flesh.radius_to) * palm, frame);
+    }
+  }
+  return frame;
+}
+
+HandPose pose_at(const Points& points) {
+  HandPose pose = HandPose::missing(superset_convention());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    pose.joints[i] = Projection(kHandCamera).to_image(points[i]);
+  return pose;
+}
+
+double mean_error_mm(const HandPose& pose, const Points& truth) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    sum += (Projection(kHandCamera).to_camera(pose.joints[i]) - truth[i]).norm();
+  return sum / kSupersetSize;
+}
+
+TEST(HandModel, TheDepthImageMakesJointsBetterThanTheSkeletonAlone) {
+  Random random(1);
+  double with_depth = 0.0;
+  double without = 0.0;
+  for (const double bend : {0.1, 0.5, 0.9}) {
+    const Points truth = hand_before_camera(bend);
+    const Frame frame = frame_of(truth);
+    for (int trial = 0; trial < 4; ++trial) {
+      // What networks do wrong: all joints of a finger lean one way.
+      Points wrong = truth;
+      const Eigen::Vector3d all = 5.0 * testing::random_direction(random);
+      for (std::size_t i = 0; i < wrong.size(); ++i) {
+        const double reach = i < 2 ? 0.3 : 0.3 + 0.3 * static_cast<double>((i - 2) % 4);
+        wrong[i] += all + 8.0 * reach * testing::random_direction(random);
+      }
+      with_depth += mean_error_mm(HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(wrong)), truth);
+      without += mean_error_mm(InverseKinematics({}).refine(frame, {}, pose_at(wrong)), truth);
+    }
+  }
+  EXPECT_LT(with_depth, 0.8 * without) << with_depth / 12 << " mm, " << without / 12 << " mm";
+}
+
+TEST(HandModel, AFingerThatFloatsIsBroughtBack) {
+  const Points truth = hand_before_camera(0.8);
+  Points wrong = truth;
+  const Points straight = hand_before_camera(0.1);
+  constexpr int kIndexMcp = static_cast<int>(Landmark::index_mcp);
+  for (int i = kIndexMcp; i < kIndexMcp + 4; ++i) wrong[i] = straight[i];  // stretched out before the wall
+  HandPose pose = pose_at(wrong);
+  pose.confidence.assign(pose.joints.size(), 1.0f);
+  for (int i = kIndexMcp; i < kIndexMcp + 4; ++i) pose.confidence[i] = 0.2f;  // it was guessed
+  const double with_depth = mean_error_mm(HandModel({}).refine(frame_of(truth), {}, pose), truth);
+  EXPECT_LT(with_depth, 0.75 * mean_error_mm(InverseKinematics({}).refine(frame_of(truth), {}, pose), truth))
+      << with_depth;
+}
+
+TEST(HandModel, AnEmptyFrameLeavesInverseKinematics) {
+  const Points truth = hand_before_camera(0.4);
+  for (const float depth : {0.0f, 5000.0f}) {
+    Frame frame = frame_of(truth);
+    frame.depth_mm = Image<float>(kHandCamera.width, kHandCamera.height, depth);
+    const HandPose model = HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(truth));
+    const HandPose joints_alone = InverseKinematics({}).refine(frame, {}, pose_at(truth));
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      EXPECT_EQ(model.joints[i].u, joints_alone.joints[i].u) << i;
+      EXPECT_EQ(model.joints[i].depth_mm, joints_alone.joints[i].depth_mm) << i;
+    }
+  }
+}
+
+TEST(HandModel, WhatIsHardlyKnownComesBackUnchanged) {
+  const HandPose result =
+      HandModel({}).refine(frame_of(hand_before_camera(0.3)), {}, HandPose::missing(superset_convention()));
+  EXPECT_TRUE(result.is_missing());
+}
+
+TEST(HandModel, ConfidencesOf0AreNoJoints) {
+  const Points truth = hand_before_camera(0.3);
+  HandPose pose = pose_at(truth);
+  pose.confidence.assign(pose.joints.size(), 0.0f);
+  const HandPose result = HandModel({}).refine(frame_of(truth), {}, pose);
+  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(result.joints[i].u, pose.joints[i].u) << i;
+}
+
+TEST(HandModel, RefusesOptionsOutOfRange) {
+  EXPECT_THAT(testing::error_of([] { HandModel({.surface_mm = 0.0}); }), HasSubstr("surface_mm"));
+  EXPECT_THAT(testing::error_of([] { HandModel({.length_spread = 2.0}); }), HasSubstr("length_spread"));
+}
+
+TEST(SurfaceNear, HasPointsOfTheFrameThatAreNearLandmarksAndNotManyMore) {
+  const Points truth = hand_before_camera(0.3);
+  const Frame frame = frame_of(truth);
+  const LandmarkTargets targets = targets_of(pose_at(truth), kHandCamera);
+  for (const int most : {40, 250, 100000}) {
+    const HandSurface surface = surface_near(frame, targets, most);
+    EXPECT_LT(surface.points.size(), static_cast<std::size_t>(1.6 * most));
+    if (most < 1000) {
+      EXPECT_GT(surface.points.size(), static_cast<std::size_t>(0.6 * most));
+    }
+    for (const Point3& point : surface.points) {
+      const ImagePoint pixel = Projection(kHandCamera).to_image(point);
+      const float depth =
+          frame.depth_mm(static_cast<int>(std::lround(pixel.u)), static_cast<int>(std::lround(pixel.v)));
+      EXPECT_NEAR(point.z(), depth, 1e-3);
+      EXPECT_TRUE(
+          std::ranges::any_of(truth, [&](const Point3& joint) { return (joint - point).norm() < 40.0; }));
+    }
+  }
+  EXPECT_TRUE(surface_near(frame, LandmarkTargets{}).points.empty());
+}
+
+TEST(SurfaceNear, TellsTheDepthMeasuredWhereAPointIsSeen) {
+  Frame frame = frame_of(hand_before_camera(0.3));
+  frame.depth_mm(30, 20) = 0.0f;
+  frame.depth_mm(31, 20) = 777.0f;
+  const HandSurface surface = surface_near(frame, {});
+  const auto depth_at = [&](double u, double v) {
+    return surface.depth_mm(Projection(kHandCamera).to_camera({u, v, 432.0}));
+  };
+  EXPECT_EQ(depth_at(30.4, 19.6), 0.0);
+  EXPECT_EQ(depth_at(31.4, 20.4), 777.0);
+  EXPECT_EQ(depth_at(-2.0, 20.0), 0.0) << "outside of the image";
+  EXPECT_EQ(depth_at(20.0, 1e9), 0.0);
+  EXPECT_EQ(surface.depth_mm(Point3(0.0, 0.0, -5.0)), 0.0) << "behind the camera";
+}
+
+}  // namespace
+}  // namespace knuckle

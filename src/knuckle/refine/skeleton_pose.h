@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "knuckle/core/camera.h"
+#include "knuckle/core/pose.h"
+#include "knuckle/hand/skeleton_fit.h"
+
+namespace knuckle {
+
+/// The joints of a pose as targets of a fit, weighted by their confidences (1 where there are none).
+LandmarkTargets targets_of(const HandPose& pose, const Camera& camera);
+
+/// The pose with its joints where a fitted skeleton has them; with `fill`, also those that were missing.
+/// Those that a skeleton does not have, or that would lie behind the camera, stay.
+HandPose with_skeleton(HandPose pose, const HandSkeleton& skeleton, const SkeletonPose& fitted,
+                       const Camera& camera, bool fill);
+
+}  // namespace knuckle
