@@ -193,6 +193,15 @@ def check_own_method(program, depth, scratch):
     assert result.returncode == 1 and b"short.f32: 1000 bytes, expected" in result.stderr, result.stderr
 
 
+def check_follow_hand(program, frames):
+    """One hand with one id, whose fingers bend by what fingers can."""
+    lines = [line.split() for line in run(program, f"h5:{frames}").decode().splitlines()]
+    assert [line[:3] for line in lines] == [[str(number), "1", "right"] for number in range(3)], lines
+    bent_deg = numpy.array([[float(number) for number in line[3:]] for line in lines])
+    assert bent_deg.shape == (3, 5) and (bent_deg > -60).all() and (bent_deg < 300).all(), bent_deg
+    assert numpy.abs(numpy.diff(bent_deg, axis=0)).max() < 60, bent_deg
+
+
 OWN_DATA = """
 #include <cstdio>
 #include <knuckle/core/resources.h>
@@ -257,6 +266,7 @@ def main(build):
         options = [f"-DCMAKE_CXX_FLAGS={arch}"]
         check_depth_array(build_project(f"depth_array{arch}", examples / "depth_array", prefix, scratch, *options), prefix, depth, frames,
                           scratch)
+        check_follow_hand(build_project(f"follow_hand{arch}", examples / "follow_hand", prefix, scratch, *options), frames)
         check_own_method(build_project(f"own_method{arch}", examples / "own_method", prefix, scratch, *options), depth, scratch)
     shutil.rmtree(scratch)
 

@@ -91,8 +91,10 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
 
 /// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
 HandEstimate mirrored_back(HandEstimate hand, int width) {
-  return {mirrored(std::move(hand.region), width), mirrored(hand.pose, width), hand.score, HandSide::left,
-          hand.side_confidence};
+  hand.region = mirrored(std::move(hand.region), width);
+  hand.pose = mirrored(hand.pose, width);
+  hand.side = HandSide::left;
+  return hand;
 }
 
 }  // namespace
@@ -240,13 +242,23 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     seen = pose_in_patch(*patch, times);
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
-  HandPose pose = timed(times.refine_ms, [&] {
-    for (const auto& refiner : refiners_) seen.pose = refiner->refine(frame, region, std::move(seen.pose));
-    return std::move(seen.pose);
+  HandEstimate hand;
+  hand.side_confidence = seen.right_hand;
+  timed(times.refine_ms, [&] {
+    for (const auto& refiner : refiners_) {
+      RefinedHand refined = refiner->refine(frame, region, std::move(seen.pose));
+      seen.pose = std::move(refined.pose);
+      if (!refined.angles) continue;
+      hand.angles = refined.angles;
+      hand.skeleton = std::move(refined.skeleton);
+    }
+    return true;
   });
-  const double score = mean_confidence(pose);
-  if (landmarks_) pose = defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right);
-  return HandEstimate{std::move(region), std::move(pose), score, HandSide::right, seen.right_hand};
+  hand.region = std::move(region);
+  hand.score = mean_confidence(seen.pose);
+  hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
+                         : std::move(seen.pose);
+  return hand;
 }
 
 HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre,

@@ -65,9 +65,9 @@ class CornerEstimator final : public Estimator {
 class DepthRefiner final : public Refiner {
  public:
   explicit DepthRefiner(std::function<double(double)> change) : change_(std::move(change)) {}
-  HandPose refine(const Frame&, const HandRegion&, HandPose pose) const override {
+  RefinedHand refine(const Frame&, const HandRegion&, HandPose pose) const override {
     pose.joints.front().depth_mm = change_(pose.joints.front().depth_mm);
-    return pose;
+    return {std::move(pose)};
   }
 
  private:
@@ -413,9 +413,9 @@ class MovingEstimator final : public Estimator {
 class RegionRefiner final : public Refiner {
  public:
   explicit RegionRefiner(HandRegion& seen) : seen_(seen) {}
-  HandPose refine(const Frame& /*frame*/, const HandRegion& hand, HandPose pose) const override {
+  RefinedHand refine(const Frame& /*frame*/, const HandRegion& hand, HandPose pose) const override {
     seen_ = hand;
-    return pose;
+    return {std::move(pose)};
   }
 
  private:
@@ -425,6 +425,40 @@ class RegionRefiner final : public Refiner {
 PipelineParts moving_parts(std::vector<int> columns, int max_hands) {
   return {HandFinder(std::make_unique<ColumnSegmenter>(std::move(columns)), {.max_hands = max_hands}),
           std::make_unique<MovingEstimator>()};
+}
+
+/// Fits a skeleton, as it says, and lowers the first joint by 1 mm.
+class FittingRefiner final : public Refiner {
+ public:
+  explicit FittingRefiner(double angle) : angle_(angle) {}
+  RefinedHand refine(const Frame&, const HandRegion&, HandPose pose) const override {
+    pose.joints.front().depth_mm += 1.0;
+    RefinedHand hand{std::move(pose)};
+    if (angle_ > 0.0) {
+      hand.angles.emplace()[HandAngle::ring_pip] = angle_;
+      hand.skeleton = fmt::format("of {:.1f}", angle_);
+    }
+    return hand;
+  }
+
+ private:
+  double angle_;
+};
+
+TEST(PipelineFromParts, HandsHaveTheAnglesOfTheLastRefinerThatFitsASkeleton) {
+  for (const bool is_left : {false, true}) {
+    PipelineParts fitting = parts({.side = is_left ? "left" : "right"});
+    for (const double angle : {0.3, 0.7, 0.0})
+      fitting.refiners.push_back(std::make_unique<FittingRefiner>(angle));
+    const Frame frame = plate();
+    const FrameEstimate found = Pipeline(std::move(fitting)).estimate(frame);
+    ASSERT_EQ(found.hands.size(), 1u);
+    const HandEstimate& hand = found.hands.front();
+    ASSERT_TRUE(hand.angles);
+    EXPECT_EQ((*hand.angles)[HandAngle::ring_pip], 0.7);
+    EXPECT_EQ(hand.skeleton, "of 0.7");
+    EXPECT_FALSE(Pipeline(parts()).estimate(frame).hands.front().angles);
+  }
 }
 
 TEST(PipelineFromParts, GivesRefinersTheRegionOfTheLastLook) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "knuckle/core/statistics.h"
@@ -43,20 +44,20 @@ DepthLookup::DepthLookup(const DepthLookupOptions& options) : options_(options) 
   check_options(options_, "depth look-up");
 }
 
-HandPose DepthLookup::refine(const Frame& frame, const HandRegion& hand, HandPose pose) const {
+RefinedHand DepthLookup::refine(const Frame& frame, const HandRegion& hand, HandPose pose) const {
   std::vector<std::optional<double>> depths;
   std::vector<double> found;
   for (const ImagePoint& joint : pose.joints) {
     depths.push_back(depth_at(frame, hand, joint));
     if (depths.back()) found.push_back(*depths.back());
   }
-  if (found.empty()) return pose;
+  if (found.empty()) return {std::move(pose)};
   const double usual_mm = median(found);
   for (std::size_t i = 0; i < pose.joints.size(); ++i) {
     if (has_place(pose.joints[i]))
       pose.joints[i].depth_mm = depths[i].value_or(usual_mm) + options_.surface_offset_mm;
   }
-  return pose;
+  return {std::move(pose)};
 }
 
 }  // namespace knuckle

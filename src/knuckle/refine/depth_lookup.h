@@ -24,7 +24,7 @@ struct DepthLookupOptions {
 class DepthLookup final : public Refiner {
  public:
   explicit DepthLookup(const DepthLookupOptions& options);
-  HandPose refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
+  RefinedHand refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
 
  private:
   DepthLookupOptions options_;

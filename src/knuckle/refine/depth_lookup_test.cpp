@@ -23,7 +23,7 @@ class DepthLookupTest : public ::testing::Test {
   std::vector<double> depths_of(std::vector<ImagePoint> joints, DepthLookupOptions options = {}) const {
     HandPose pose = HandPose::missing(convention_from_name("icg20"));
     std::ranges::copy(joints, pose.joints.begin());
-    const HandPose refined = DepthLookup(options).refine(frame_, hand_, pose);
+    const HandPose refined = DepthLookup(options).refine(frame_, hand_, pose).pose;
     std::vector<double> depths;
     for (std::size_t i = 0; i < joints.size(); ++i) {
       EXPECT_THAT(refined.joints[i].u, ::testing::NanSensitiveDoubleEq(joints[i].u));

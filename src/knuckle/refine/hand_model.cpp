@@ -23,7 +23,7 @@ HandModel::HandModel(const HandModelOptions& options) : options_(options) {
   check_options(options_, "hand model");
 }
 
-HandPose HandModel::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
+RefinedHand HandModel::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
   const SkeletonFitOptions options{.noise_mm = options_.noise_mm,
                                    .posture_rad = options_.posture_rad,
                                    .size_spread = options_.size_spread,
@@ -32,8 +32,9 @@ HandPose HandModel::refine(const Frame& frame, const HandRegion& /*hand*/, HandP
   const LandmarkTargets targets = targets_of(pose, frame.camera);
   const auto fit =
       fit_skeleton(adult_skeleton(), targets, options, std::nullopt, surface_near(frame, targets));
-  if (!fit) return pose;
-  return with_skeleton(std::move(pose), adult_skeleton(), fit->pose, frame.camera, options_.fill);
+  if (!fit) return {std::move(pose)};
+  pose = with_skeleton(std::move(pose), adult_skeleton(), fit->pose, frame.camera, options_.fill);
+  return {std::move(pose), fit->pose.angles, adult_skeleton().name};
 }
 
 }  // namespace knuckle

@@ -28,7 +28,7 @@ struct HandModelOptions {
 class HandModel final : public Refiner {
  public:
   explicit HandModel(const HandModelOptions& options);
-  HandPose refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
+  RefinedHand refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
 
  private:
   HandModelOptions options_;

@@ -98,8 +98,9 @@ TEST(HandModel, TheDepthImageMakesJointsBetterThanTheSkeletonAlone) {
         const double reach = i < 2 ? 0.3 : 0.3 + 0.3 * static_cast<double>((i - 2) % 4);
         wrong[i] += all + 8.0 * reach * testing::random_direction(random);
       }
-      with_depth += mean_error_mm(HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(wrong)), truth);
-      without += mean_error_mm(InverseKinematics({}).refine(frame, {}, pose_at(wrong)), truth);
+      with_depth +=
+          mean_error_mm(HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(wrong)).pose, truth);
+      without += mean_error_mm(InverseKinematics({}).refine(frame, {}, pose_at(wrong)).pose, truth);
     }
   }
   EXPECT_LT(with_depth, 0.8 * without) << with_depth / 12 << " mm, " << without / 12 << " mm";
@@ -114,8 +115,9 @@ TEST(HandModel, AFingerThatFloatsIsBroughtBack) {
   HandPose pose = pose_at(wrong);
   pose.confidence.assign(pose.joints.size(), 1.0f);
   for (int i = kIndexMcp; i < kIndexMcp + 4; ++i) pose.confidence[i] = 0.2f;  // it was guessed
-  const double with_depth = mean_error_mm(HandModel({}).refine(frame_of(truth), {}, pose), truth);
-  EXPECT_LT(with_depth, 0.75 * mean_error_mm(InverseKinematics({}).refine(frame_of(truth), {}, pose), truth))
+  const double with_depth = mean_error_mm(HandModel({}).refine(frame_of(truth), {}, pose).pose, truth);
+  EXPECT_LT(with_depth,
+            0.75 * mean_error_mm(InverseKinematics({}).refine(frame_of(truth), {}, pose).pose, truth))
       << with_depth;
 }
 
@@ -124,8 +126,8 @@ TEST(HandModel, AnEmptyFrameLeavesInverseKinematics) {
   for (const float depth : {0.0f, 5000.0f}) {
     Frame frame = frame_of(truth);
     frame.depth_mm = Image<float>(kHandCamera.width, kHandCamera.height, depth);
-    const HandPose model = HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(truth));
-    const HandPose joints_alone = InverseKinematics({}).refine(frame, {}, pose_at(truth));
+    const HandPose model = HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(truth)).pose;
+    const HandPose joints_alone = InverseKinematics({}).refine(frame, {}, pose_at(truth)).pose;
     for (std::size_t i = 0; i < truth.size(); ++i) {
       EXPECT_EQ(model.joints[i].u, joints_alone.joints[i].u) << i;
       EXPECT_EQ(model.joints[i].depth_mm, joints_alone.joints[i].depth_mm) << i;
@@ -133,17 +135,28 @@ TEST(HandModel, AnEmptyFrameLeavesInverseKinematics) {
   }
 }
 
+TEST(HandModel, AnswersTheAnglesOfItsSkeleton) {
+  const Points truth = hand_before_camera(0.5);
+  const RefinedHand result = HandModel({}).refine(frame_of(truth), {}, pose_at(truth));
+  ASSERT_TRUE(result.angles);
+  EXPECT_EQ(result.skeleton, "adult");
+  EXPECT_TRUE(within_limits(*result.angles));
+  EXPECT_NEAR((*result.angles)[HandAngle::index_mcp], 0.5, 0.1);
+  EXPECT_NEAR((*result.angles)[HandAngle::little_pip], 0.2, 0.1);
+}
+
 TEST(HandModel, WhatIsHardlyKnownComesBackUnchanged) {
-  const HandPose result =
+  const RefinedHand result =
       HandModel({}).refine(frame_of(hand_before_camera(0.3)), {}, HandPose::missing(superset_convention()));
-  EXPECT_TRUE(result.is_missing());
+  EXPECT_TRUE(result.pose.is_missing());
+  EXPECT_FALSE(result.angles);
 }
 
 TEST(HandModel, ConfidencesOf0AreNoJoints) {
   const Points truth = hand_before_camera(0.3);
   HandPose pose = pose_at(truth);
   pose.confidence.assign(pose.joints.size(), 0.0f);
-  const HandPose result = HandModel({}).refine(frame_of(truth), {}, pose);
+  const HandPose result = HandModel({}).refine(frame_of(truth), {}, pose).pose;
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(result.joints[i].u, pose.joints[i].u) << i;
 }
 

@@ -19,14 +19,15 @@ InverseKinematics::InverseKinematics(const InverseKinematicsOptions& options) : 
   check_options(options_, "inverse kinematics");
 }
 
-HandPose InverseKinematics::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
+RefinedHand InverseKinematics::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
   const SkeletonFitOptions options{.noise_mm = options_.noise_mm,
                                    .posture_rad = options_.posture_rad,
                                    .size_spread = options_.size_spread,
                                    .length_spread = 0.0};
   const auto fit = fit_skeleton(adult_skeleton(), targets_of(pose, frame.camera), options);
-  if (!fit) return pose;
-  return with_skeleton(std::move(pose), adult_skeleton(), fit->pose, frame.camera, options_.fill);
+  if (!fit) return {std::move(pose)};
+  pose = with_skeleton(std::move(pose), adult_skeleton(), fit->pose, frame.camera, options_.fill);
+  return {std::move(pose), fit->pose.angles, adult_skeleton().name};
 }
 
 }  // namespace knuckle

@@ -25,7 +25,7 @@ struct InverseKinematicsOptions {
 class InverseKinematics final : public Refiner {
  public:
   explicit InverseKinematics(const InverseKinematicsOptions& options);
-  HandPose refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
+  RefinedHand refine(const Frame& frame, const HandRegion& hand, HandPose pose) const override;
 
  private:
   InverseKinematicsOptions options_;

@@ -31,7 +31,7 @@ HandPose pose_of(const std::array<Point3, kSupersetSize>& points, const char* co
 HandPose refined(HandPose pose, const InverseKinematicsOptions& options = {}) {
   Frame frame;
   frame.camera = kCamera;
-  return InverseKinematics(options).refine(frame, HandRegion{}, std::move(pose));
+  return InverseKinematics(options).refine(frame, HandRegion{}, std::move(pose)).pose;
 }
 
 double distance_mm(const ImagePoint& joint, const Point3& point) {
