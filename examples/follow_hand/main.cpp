@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows hands through the frames of a source, and writes a line for each in every frame: frame, id, side, and how far
-// each finger is bent, thumb to little [degrees].
+// Follows hands through the frames of a source, and writes a line for each in every frame: frame, id, side,
+// and how far each finger is bent, thumb to little [degrees].
 #include <cstdio>
 #include <numbers>
 
