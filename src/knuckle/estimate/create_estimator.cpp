@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/named_table.h"
 #include "knuckle/estimate/network_estimator.h"
 #include "knuckle/estimate/pose_forest.h"
+#include "knuckle/estimate/surest_estimator.h"
 
 namespace knuckle {
 
@@ -43,6 +45,20 @@ std::unique_ptr<Estimator> load_network_estimator(const OptionTable& table) {
   return std::make_unique<NetworkEstimator>(std::move(network), options);
 }
 
+std::unique_ptr<Estimator> load_surest(const OptionTable& table) {
+  SurestEstimatorOptions options;
+  table.read(options);
+  if (options.models.size() < 2) {
+    table.fail_at("models", fmt::format("has {} files, expected two or more", options.models.size()));
+  }
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  for (const std::string& model : options.models) {
+    estimators.push_back(std::make_unique<NetworkEstimator>(PoseNetwork(table.resolved_path(model)),
+                                                            NetworkEstimatorOptions{}));
+  }
+  return std::make_unique<SurestEstimator>(std::move(estimators), options);
+}
+
 constexpr std::array kMethods{
     EstimationMethod{"forest", load_forest},
     EstimationMethod{"dense", load_network_estimator},
@@ -51,6 +67,7 @@ constexpr std::array kMethods{
     EstimationMethod{"regression", load_network_estimator},
     EstimationMethod{"pca", load_network_estimator},
     EstimationMethod{"autoencoder", load_network_estimator},
+    EstimationMethod{"surest", load_surest},
 };
 
 constexpr auto kNames = names_of(kMethods);

@@ -25,6 +25,13 @@ std::vector<std::filesystem::path> files_below(const std::filesystem::path& fold
   return files;
 }
 
+/// The models of an estimator that has several.
+struct ModelFiles {
+  std::vector<std::string> models;
+
+  void visit(OptionVisitor& visitor) { visitor.texts("models", models, {}); }
+};
+
 }  // namespace
 
 Inputs& Inputs::add(std::string_view name, std::string_view value) {
@@ -69,6 +76,10 @@ Inputs& Inputs::add_models(const std::filesystem::path& pipeline) {
     const std::string model = document.table(table).text_or("model", "");
     if (!model.empty()) add_content(fmt::format("{} model", table), document.resolved_path(model));
   }
+  ModelFiles several;
+  document.table("estimator").read(several);
+  for (const std::string& model : several.models)
+    add_content("estimator model", document.resolved_path(model));
   return *this;
 }
 

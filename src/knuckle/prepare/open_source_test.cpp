@@ -69,6 +69,9 @@ TEST(Inputs, SayWhatAnOutcomeDependsOn) {
                   "[segmentation]\nmodel = 'set/b.txt'\n[estimator]\nmodel = 'set/depth/a.txt'\n");
   EXPECT_EQ(Inputs().add_models(folder / "p.toml").text(),
             "segmentation model: " + one + "\nestimator model: " + two + "\n");
+  write_text_file(folder / "p.toml", "[estimator]\nmodels = ['set/depth/a.txt', 'set/b.txt']\n");
+  EXPECT_EQ(Inputs().add_models(folder / "p.toml").text(),
+            "estimator model: " + two + "\nestimator model: " + one + "\n");
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/surest_estimator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle {
+namespace {
+
+double mean_confidence(const PatchPose& pose) {
+  double sum = 0.0;
+  for (const float confidence : pose.confidence) sum += confidence;
+  return pose.confidence.empty() ? 0.0 : sum / static_cast<double>(pose.confidence.size());
+}
+
+}  // namespace
+
+void SurestEstimatorOptions::visit(OptionVisitor& visitor) {
+  visitor.texts("models", models, {});
+  visitor.integer("passes", passes, closed(1, 5));
+  visitor.real("enough", enough, closed(0, 1));
+  visitor.real("lead", lead, closed(0, 1));
+}
+
+SurestEstimator::SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimators,
+                                 const SurestEstimatorOptions& options)
+    : estimators_(std::move(estimators)), options_(options) {
+  check_options(options_, "the surest of several estimators");
+  if (estimators_.size() < 2)
+    fail("the surest of several estimators: {} given, expected two or more", estimators_.size());
+  for (const auto& estimator : estimators_) {
+    if (estimator->convention().name != convention().name) {
+      fail("the surest of several estimators: one predicts \"{}\", another one \"{}\"", convention().name,
+           estimator->convention().name);
+    }
+    if (!(estimator->patches().options() == patches().options())) {
+      fail("the surest of several estimators: they were trained on patches of different kinds");
+    }
+    if (!(estimator->sure_confidence() > 0.0)) {
+      fail("the surest of several estimators: the confidences of one do not tell hands from other things");
+    }
+  }
+}
+
+double SurestEstimator::sure_confidence() const {
+  const auto least = std::ranges::min_element(
+      estimators_, {}, [](const auto& estimator) { return estimator->sure_confidence(); });
+  return (*least)->sure_confidence();
+}
+
+PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
+  PatchPose surest = estimators_.front()->estimate(patch);
+  double confidence = mean_confidence(surest);
+  for (std::size_t i = 1; i < estimators_.size() && confidence < options_.enough; ++i) {
+    PatchPose other = estimators_[i]->estimate(patch);
+    const double other_confidence = mean_confidence(other);
+    if (!other.right_hand) other.right_hand = surest.right_hand;
+    if (!surest.right_hand) surest.right_hand = other.right_hand;
+    if (other_confidence <= confidence + options_.lead) continue;
+    surest = std::move(other);
+    confidence = other_confidence;
+  }
+  return surest;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knuckle/core/options.h"
+#include "knuckle/estimate/estimator.h"
+
+namespace knuckle {
+
+/// How the surest of several estimators is chosen: keys of the `[estimator]` table.
+struct SurestEstimatorOptions {
+  std::vector<std::string> models =
+      {};                ///< files of networks, the one that is asked first first; at least two
+  int passes = 2;        ///< looks at each hand, [1, 5]
+  double enough = 0.65;  ///< a pose of such a mean confidence is taken without asking the others, [0, 1]
+  double lead = 0.05;    ///< by how much a later one has to be surer, [0, 1]
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// Several estimators for one hand: each knows what it has learned, and its confidences say what it has not.
+/// The first, which is asked always, may know free hands very well; where it is not sure, the next is asked,
+/// which knows hands among things, and the pose with the highest mean confidence counts.
+class SurestEstimator final : public Estimator {
+ public:
+  /// Throws an Error where there are fewer than two estimators, they differ in patches or convention, or one
+  /// gives no confidences, and where an option is out of range.
+  SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimators, const SurestEstimatorOptions& options);
+
+  Convention convention() const override { return estimators_.front()->convention(); }
+  const PatchExtractor& patches() const override { return estimators_.front()->patches(); }
+  int passes() const override { return options_.passes; }
+  double sure_confidence() const override;
+  /// The side is what the surest says, or else the surest of those asked that can tell.
+  PatchPose estimate(const HandPatch& patch) const override;
+
+ private:
+  std::vector<std::unique_ptr<Estimator>> estimators_;
+  SurestEstimatorOptions options_;
+};
+
+}  // namespace knuckle

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/estimate/surest_estimator.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/estimate/create_estimator.h"
+#include "knuckle/net/net_testing.h"
+#include "knuckle/net/network_file.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+
+/// Always the same pose: its joints say who it was.
+class KnownPose final : public Estimator {
+ public:
+  KnownPose(double name, float confidence, std::optional<double> right_hand, int* asked = nullptr,
+            const char* convention = "nyu14", int size_px = 12)
+      : name_(name),
+        confidence_(confidence),
+        right_hand_(right_hand),
+        asked_(asked),
+        convention_(convention_from_name(convention)),
+        patches_({.size_px = size_px, .mode = "cube"}) {}
+
+  Convention convention() const override { return convention_; }
+  const PatchExtractor& patches() const override { return patches_; }
+  double sure_confidence() const override { return confidence_ < 0.0f ? 0.0 : 0.3; }
+  PatchPose estimate(const HandPatch&) const override {
+    if (asked_ != nullptr) ++*asked_;
+    // Its mean is what counts, not its first.
+    return {std::vector<PatchPoint>(14, PatchPoint{name_, 0.0, 0.0}),
+            {confidence_ - 0.2f, confidence_ + 0.2f},
+            right_hand_};
+  }
+
+ private:
+  double name_;
+  float confidence_;
+  std::optional<double> right_hand_;
+  int* asked_;
+  Convention convention_;
+  PatchExtractor patches_;
+};
+
+PatchPose surest_of(std::vector<std::unique_ptr<Estimator>> estimators,
+                    const SurestEstimatorOptions& options = {}) {
+  return SurestEstimator(std::move(estimators), options).estimate({});
+}
+
+std::vector<std::unique_ptr<Estimator>> three(float first, float second, float third,
+                                              int* asked_last = nullptr) {
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  estimators.push_back(std::make_unique<KnownPose>(1.0, first, std::nullopt));
+  estimators.push_back(std::make_unique<KnownPose>(2.0, second, 0.9));
+  estimators.push_back(std::make_unique<KnownPose>(3.0, third, 0.2, asked_last));
+  return estimators;
+}
+
+TEST(SurestEstimator, ThePoseWithTheHighestConfidenceCounts) {
+  const SurestEstimatorOptions options{.enough = 1.0, .lead = 0.0};
+  EXPECT_EQ(surest_of(three(0.6f, 0.4f, 0.5f), options).joints[0].u, 1.0);
+  EXPECT_EQ(surest_of(three(0.4f, 0.6f, 0.5f), options).joints[0].u, 2.0);
+  EXPECT_EQ(surest_of(three(0.4f, 0.5f, 0.6f), options).joints[0].u, 3.0);
+}
+
+TEST(SurestEstimator, ALaterOneHasToBeSurerByTheLead) {
+  EXPECT_EQ(surest_of(three(0.4f, 0.44f, 0.3f), {.lead = 0.05}).joints[0].u, 1.0);
+  EXPECT_EQ(surest_of(three(0.4f, 0.46f, 0.3f), {.lead = 0.05}).joints[0].u, 2.0);
+  EXPECT_EQ(surest_of(three(0.4f, 0.46f, 0.50f), {.lead = 0.05}).joints[0].u, 2.0);
+}
+
+TEST(SurestEstimator, WhatIsSureEnoughAsksNoOther) {
+  int asked = 0;
+  surest_of(three(0.7f, 0.6f, 0.9f, &asked), {.enough = 0.65});
+  surest_of(three(0.3f, 0.7f, 0.9f, &asked), {.enough = 0.65});
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(surest_of(three(0.6f, 0.6f, 0.9f, &asked), {.enough = 0.65}).joints[0].u, 3.0);
+  EXPECT_EQ(asked, 1);
+}
+
+TEST(SurestEstimator, WhoCannotTellTheSideLeavesItToTheOthers) {
+  const SurestEstimatorOptions options{.enough = 1.0, .lead = 0.0};
+  EXPECT_EQ(surest_of(three(0.6f, 0.5f, 0.4f), options).right_hand, 0.9);
+  EXPECT_EQ(surest_of(three(0.4f, 0.5f, 0.6f), options).right_hand, 0.2);
+  EXPECT_EQ(surest_of(three(0.7f, 0.5f, 0.4f), {.enough = 0.65}).right_hand, std::nullopt);
+}
+
+TEST(SurestEstimator, WhatDoesNotBelongTogetherIsRefused) {
+  const auto fault = [](std::unique_ptr<Estimator> other) {
+    std::vector<std::unique_ptr<Estimator>> estimators;
+    estimators.push_back(std::make_unique<KnownPose>(1.0, 0.5f, std::nullopt));
+    if (other) estimators.push_back(std::move(other));
+    return error_of([&] { SurestEstimator(std::move(estimators), {}); });
+  };
+  EXPECT_THAT(fault(nullptr), HasSubstr("1 given, expected two or more"));
+  EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, 0.5f, std::nullopt, nullptr, "icvl16")),
+              HasSubstr("\"icvl16\""));
+  EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, 0.5f, std::nullopt, nullptr, "nyu14", 16)),
+              HasSubstr("patches"));
+  EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, -1.0f, std::nullopt)), HasSubstr("confidences of one"));
+}
+
+TEST(SurestEstimator, IsMadeFromAFile) {
+  const testing::TemporaryFolder folder;
+  NetworkOptions network = testing::small_network();
+  network.architecture = "dense";
+  for (const char* name : {"a.pt", "b.pt"}) save_network_weights(folder / name, random_weights(network, 1));
+  const auto create = [&](const std::string& toml) {
+    write_text_file(folder / "p.toml", "method = \"surest\"\n" + toml);
+    return create_estimator(OptionTable::load(folder / "p.toml"));
+  };
+  EXPECT_EQ(create("models = [\"a.pt\", \"b.pt\"]\npasses = 3")->passes(), 3);
+  const auto fault = [&](const std::string& toml) { return error_of([&] { create(toml); }); };
+  EXPECT_THAT(fault("models = [\"a.pt\"]"),
+              ::testing::AllOf(HasSubstr("p.toml:2"), HasSubstr("two or more")));
+  EXPECT_THAT(fault(""), ::testing::AllOf(HasSubstr("p.toml"), HasSubstr("models")));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"none.pt\"]"), HasSubstr("none.pt"));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nlead = 2"), HasSubstr("lead"));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nmodel = \"a.pt\""), HasSubstr("model"));
+}
+
+}  // namespace
+}  // namespace knuckle
