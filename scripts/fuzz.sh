@@ -16,12 +16,15 @@ targets=("$@")
 cmake --preset fuzz --log-level=WARNING >/dev/null
 ninja -C build/fuzz "${targets[@]/#/fuzz_}" knuckle_fuzz_replay >/dev/null
 mkdir -p build/fuzz/findings
+# A library that asks for more than 1 GB at once, because a header says so, is told that there is no more; our own code that does ends
+# the target.
+export ASAN_OPTIONS=allocator_may_return_null=1:max_allocation_size_mb=1024
 status=0
 for target in "${targets[@]}"; do
   mkdir -p "build/fuzz/corpus/$target"
   log=build/fuzz/$target.log
-  # 1 GB and 10 s are what a damaged file may cost at most.
-  if ! "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -rss_limit_mb=2048 -malloc_limit_mb=1024 -timeout=10 \
+  # 10 s are what a damaged file may cost at most.
+  if ! "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -rss_limit_mb=2048 -malloc_limit_mb=0 -timeout=10 \
       -max_len=65536 -detect_leaks=0 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/${target}_" \
       "build/fuzz/corpus/$target" "fuzz/corpus/$target" >"$log" 2>&1; then
     status=1

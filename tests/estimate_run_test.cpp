@@ -46,11 +46,16 @@ class EstimateRunTest : public ::testing::Test {
         fmt::format("frames = {}\nseed = 3\n[body]\npeople = 1\n[camera]\nwidth = 160\nheight = 120\n"
                     "fx = 112\nfy = 112\ncx = 79.5\ncy = 59.5\n",
                     kFrames));
+    write_text_file(path("pipeline.toml"), shipped_pipeline("default"));
+  }
+
+  /// A pipeline that may be copied anywhere.
+  static std::string shipped_pipeline(const std::string& name) {
     const std::string models = fs::absolute("models").string() + "/";
-    std::string pipeline = read_text_file("pipelines/default.toml");
+    std::string pipeline = read_text_file("pipelines/" + name + ".toml");
     while (pipeline.find("\"../models/") != std::string::npos)
       pipeline = with(pipeline, "\"../models/", "\"" + models);
-    write_text_file(path("pipeline.toml"), pipeline);
+    return pipeline;
   }
 
   std::string path(const std::string& name) const { return folder_ / name; }
@@ -319,7 +324,7 @@ class TwoHandsTest : public EstimateRunTest {
  protected:
   void SetUp() override {
     EstimateRunTest::SetUp();
-    std::string pipeline = with(read_text_file(path("pipeline.toml")), "max_hands = 1", "max_hands = 2");
+    std::string pipeline = with(shipped_pipeline("free_hand"), "max_hands = 1", "max_hands = 2");
     pipeline = with(pipeline, "sure_confidence = 0.45", "sure_confidence = 0.1");
     write_text_file(path("pipeline.toml"), pipeline);
     ASSERT_THAT(run_program(command("whole")), Succeeded());

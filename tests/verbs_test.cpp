@@ -168,7 +168,7 @@ TEST_F(VerbsTest, RenderMakesAContactSheetAloneOrBesideItsFrames) {
 }
 
 TEST_F(VerbsTest, SegmentWritesOneLinePerFrame) {
-  ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", "pipelines/default.toml",
+  ASSERT_THAT(run_program({"segment", "--source", kDemoSource, "--pipeline", "pipelines/free_hand.toml",
                            "--out", path("boxes.csv")}),
               Succeeded());
   const auto lines = read_lines(path("boxes.csv"));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "knuckle/core/portable_math.h"
+#include "knuckle/core/statistics.h"
 
 namespace knuckle {
 namespace {
@@ -142,6 +143,14 @@ double SkeletonEnergy::rms_mm(const SkeletonPose& pose) const {
     weights += targets_[i].weight;
   }
   return std::sqrt(sum / weights);
+}
+
+double SkeletonEnergy::gap_mm(const SkeletonPose& pose) const {
+  const PosedFlesh flesh(landmarks(skeleton_, pose), palm_mm_ * pose.size);
+  RunningMean mean;
+  for (const Point3& point : surface_.points)
+    mean.add(std::min(std::abs(flesh.nearest(point).gap_mm), kFarMm));
+  return mean.value();
 }
 
 double SkeletonEnergy::weight(std::size_t landmark) const {

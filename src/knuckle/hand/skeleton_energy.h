@@ -12,6 +12,7 @@ namespace knuckle {
 /// The unknowns: the columns of LandmarkJacobian, with the logarithm of the size in place of the size; after
 /// them the logarithms of the digits' lengths, in the order of DigitNumbers.
 inline constexpr int kLengthColumn = kHandAngleCount + 7;
+/// How many there are.
 inline constexpr int kSkeletonUnknowns = kLengthColumn + 15;
 using SkeletonStep = Eigen::Matrix<double, kSkeletonUnknowns, 1>;
 
@@ -37,6 +38,7 @@ inline HandAngles resting_hand() {
   return bent_hand(0.3, 0.4);
 }
 
+/// Whether a target says anything.
 inline bool is_known(const LandmarkTarget& target) {
   return target.weight > 0.0 && target.point.allFinite();
 }
@@ -52,6 +54,8 @@ class SkeletonEnergy {
   Linearised linearised(const SkeletonPose& pose) const;
   /// Of the weighted distances to the targets.
   double rms_mm(const SkeletonPose& pose) const;
+  /// Mean distance of the surface's points from the skin, none more than 8 mm; NaN without points.
+  double gap_mm(const SkeletonPose& pose) const;
 
  private:
   double weight(std::size_t landmark) const;

@@ -90,7 +90,7 @@ SkeletonStep damped_step(const Linearised& at, double damping) {
 
 SkeletonFit descended(const HandSkeleton& skeleton, const SkeletonEnergy& energy,
                       const SkeletonFitOptions& options, const SkeletonPose& first) {
-  SkeletonFit fit{first, 0.0, energy.at(first), 0};
+  SkeletonFit fit{.pose = first, .energy = energy.at(first)};
   double damping = kFirstDamping;
   while (fit.steps < options.most_steps) {
     Linearised at = energy.linearised(fit.pose);
@@ -114,6 +114,7 @@ SkeletonFit descended(const HandSkeleton& skeleton, const SkeletonEnergy& energy
     if (gain < kLeastGain * (1.0 + fit.energy)) break;
   }
   fit.rms_mm = energy.rms_mm(fit.pose);
+  fit.gap_mm = energy.gap_mm(fit.pose);
   return fit;
 }
 

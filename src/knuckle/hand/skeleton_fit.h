@@ -11,6 +11,7 @@ namespace knuckle {
 
 /// One number per bone of the digits: thumb to little, each from the palm outwards.
 using DigitNumbers = std::array<std::array<double, 3>, 5>;
+/// All 1: factors that change nothing.
 inline constexpr DigitNumbers kOnes = {{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
 
 /// A hand in a pose: the skeleton's angles, where its wrist is, its size and the proportions of its digits.
@@ -51,6 +52,8 @@ struct SkeletonFitOptions {
 struct SkeletonFit {
   SkeletonPose pose;    ///< its angles are within the skeleton's limits
   double rms_mm = 0.0;  ///< root mean square of the weighted distances to the targets [mm]
+  double gap_mm =
+      kNaN;  ///< mean distance of the surface's points from the skin, none more than 8 mm; NaN: no points
   double energy = 0.0;  ///< half the sum of all squared residuals, in deviations
   int steps = 0;        ///< that lowered it
 };

@@ -244,10 +244,12 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   }
   HandEstimate hand;
   hand.side_confidence = seen.right_hand;
+  double plausibility = 1.0;
   timed(times.refine_ms, [&] {
     for (const auto& refiner : refiners_) {
       RefinedHand refined = refiner->refine(frame, region, std::move(seen.pose));
       seen.pose = std::move(refined.pose);
+      plausibility *= refined.plausibility;
       if (!refined.angles) continue;
       hand.angles = refined.angles;
       hand.skeleton = std::move(refined.skeleton);
@@ -255,7 +257,7 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     return true;
   });
   hand.region = std::move(region);
-  hand.score = mean_confidence(seen.pose);
+  hand.score = plausibility * mean_confidence(seen.pose);
   hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
                          : std::move(seen.pose);
   return hand;

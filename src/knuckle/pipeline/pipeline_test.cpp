@@ -435,6 +435,7 @@ class FittingRefiner final : public Refiner {
     pose.joints.front().depth_mm += 1.0;
     RefinedHand hand{std::move(pose)};
     if (angle_ > 0.0) {
+      hand.plausibility = angle_;
       hand.angles.emplace()[HandAngle::ring_pip] = angle_;
       hand.skeleton = fmt::format("of {:.1f}", angle_);
     }
@@ -457,6 +458,7 @@ TEST(PipelineFromParts, HandsHaveTheAnglesOfTheLastRefinerThatFitsASkeleton) {
     ASSERT_TRUE(hand.angles);
     EXPECT_EQ((*hand.angles)[HandAngle::ring_pip], 0.7);
     EXPECT_EQ(hand.skeleton, "of 0.7");
+    EXPECT_NEAR(hand.score, 0.3 * 0.7 * Pipeline(parts()).estimate(frame).hands.front().score, 1e-9);
     EXPECT_FALSE(Pipeline(parts()).estimate(frame).hands.front().angles);
   }
 }

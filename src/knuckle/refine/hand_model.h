@@ -22,9 +22,9 @@ struct HandModelOptions {
 /// Makes the joints those of a hand that agrees with the estimate and with the depth image: an adult's
 /// skeleton with flesh, of a size of its own in each frame, fitted by `fit_skeleton` to the joints, weighted
 /// by their confidences, and to the points measured near them (Oikonomidis et al. 2011 and Tagliasacchi et
-/// al. 2015 fit hands to depth in this way; the paper's [25] and [26]). Confidences stay as they are. Sees a
-/// right hand, as all of a pipeline does. A pose with fewer than three known joints of the superset comes
-/// back unchanged, as do joints that a skeleton does not have.
+/// al. 2015 fit hands to depth in this way; the paper's [25] and [26]). Confidences stay as they are; what
+/// fits no hand well is less plausible. Sees a right hand, as all of a pipeline does. A pose with fewer than
+/// three known joints of the superset comes back unchanged, as do joints that a skeleton does not have.
 class HandModel final : public Refiner {
  public:
   explicit HandModel(const HandModelOptions& options);

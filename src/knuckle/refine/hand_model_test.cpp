@@ -145,6 +145,28 @@ TEST(HandModel, AnswersTheAnglesOfItsSkeleton) {
   EXPECT_NEAR((*result.angles)[HandAngle::little_pip], 0.2, 0.1);
 }
 
+TEST(HandModel, WhatFitsNoHandIsLessPlausible) {
+  const Points truth = hand_before_camera(0.5);
+  const double of_hand = HandModel({}).refine(frame_of(truth), {}, pose_at(truth)).plausibility;
+  EXPECT_GT(of_hand, 0.9);
+  // The same joints before a wavy wall.
+  Frame wall = frame_of(truth);
+  for (int row = 0; row < wall.depth_mm.height(); ++row) {
+    for (int column = 0; column < wall.depth_mm.width(); ++column)
+      wall.depth_mm(column, row) =
+          static_cast<float>(485.0 + 25.0 * std::sin(0.2 * column) * std::cos(0.17 * row));
+  }
+  EXPECT_LT(HandModel({}).refine(wall, {}, pose_at(truth)).plausibility, 0.9 * of_hand);
+  // A hand half as large as an adult's; a child's is plausible.
+  const auto of_size = [&](double size) {
+    Points points = truth;
+    for (Point3& point : points) point = truth[0] + size * (point - truth[0]);
+    return HandModel({.size_spread = 1.0}).refine(frame_of(points), {}, pose_at(points)).plausibility;
+  };
+  EXPECT_GT(of_size(0.78), 0.85);
+  EXPECT_LT(of_size(0.45), 0.3);
+}
+
 TEST(HandModel, WhatIsHardlyKnownComesBackUnchanged) {
   const RefinedHand result =
       HandModel({}).refine(frame_of(hand_before_camera(0.3)), {}, HandPose::missing(superset_convention()));
