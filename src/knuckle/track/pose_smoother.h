@@ -12,10 +12,10 @@ namespace knuckle {
 
 /// How the pose of a skeleton is smoothed: cutoffs of its wrist's place, of its turn, and of its angles.
 struct PoseSmoothing {
-  OneEuroOptions place{.rest_cutoff_hz = 1.5, .cutoff_per_speed = 0.03};  ///< speeds in mm/s
-  OneEuroOptions turn{.rest_cutoff_hz = 1.5, .cutoff_per_speed = 3.0};    ///< speeds in rad/s
-  OneEuroOptions angles{.rest_cutoff_hz = 1.5,
-                        .cutoff_per_speed = 1.5};  ///< speeds in rad/s, each angle by itself
+  OneEuroOptions place{.rest_cutoff_hz = 1.0, .cutoff_per_speed = 0.06};  ///< speeds in mm/s
+  OneEuroOptions turn{.rest_cutoff_hz = 1.0, .cutoff_per_speed = 6.0};    ///< speeds in rad/s
+  OneEuroOptions angles{.rest_cutoff_hz = 1.0,
+                        .cutoff_per_speed = 3.0};  ///< speeds in rad/s, each angle by itself
 };
 
 /// Smooths the pose of one hand from frame to frame: each part by the One Euro filter, the turn on the
