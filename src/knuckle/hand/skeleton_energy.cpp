@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "knuckle/core/portable_math.h"
 #include "knuckle/core/statistics.h"
@@ -40,16 +41,60 @@ double palm_length(const HandSkeleton& skeleton) {
   return (at(Landmark::middle_mcp) - at(Landmark::wrist)).norm();
 }
 
+/// The unknowns that move a landmark, ascending. Most do not: a row of derivatives has 15 numbers, not 44.
+struct Movers {
+  std::array<int, kSkeletonUnknowns> unknowns;
+  int count = 0;
+
+  void add(int unknown) { unknowns[static_cast<std::size_t>(count++)] = unknown; }
+};
+
+using MoversOfLandmarks = std::array<Movers, kSupersetSize>;
+
+MoversOfLandmarks movers_of(const PoseJacobian& jacobian) {
+  MoversOfLandmarks movers;
+  for (int landmark = 0; landmark < kSupersetSize; ++landmark) {
+    for (int unknown = 0; unknown < kSkeletonUnknowns; ++unknown) {
+      if (!jacobian.block<3, 1>(3 * landmark, unknown).isZero(0.0)) movers[landmark].add(unknown);
+    }
+  }
+  return movers;
+}
+
+Movers merged(const Movers& a, const Movers& b) {
+  Movers both;
+  const auto end = std::ranges::set_union(std::span(a.unknowns).first(a.count),
+                                          std::span(b.unknowns).first(b.count), both.unknowns.begin())
+                       .out;
+  both.count = static_cast<int>(end - both.unknowns.begin());
+  return both;
+}
+
+/// Adds the square of a residual, times half of `weight`; `row` has its derivatives by the movers.
+void add_square(const Movers& movers, const double* row, double residual, double weight, Linearised& result) {
+  for (int a = 0; a < movers.count; ++a) {
+    const double weighted = weight * row[a];
+    const int unknown = movers.unknowns[static_cast<std::size_t>(a)];
+    result.gradient[unknown] += weighted * residual;
+    for (int b = 0; b <= a; ++b)
+      result.curvature(unknown, movers.unknowns[static_cast<std::size_t>(b)]) += weighted * row[b];
+  }
+}
+
 void add_contact(const SurfaceContact& contact, const GapPenalty& gap, double weight,
-                 const PoseJacobian& jacobian, Linearised& result) {
-  const auto rows = [&](Landmark landmark) { return jacobian.middleRows<3>(3 * static_cast<int>(landmark)); };
-  const HandFlesh& flesh = *contact.flesh;
-  SkeletonStep row = (1.0 - contact.share) * (rows(flesh.from).transpose() * contact.normal) +
-                     contact.share * (rows(flesh.to).transpose() * contact.normal);
-  row[kSizeColumn] -= contact.radius_mm;
+                 const PoseJacobian& jacobian, const Movers& movers, Linearised& result) {
+  const int from = 3 * static_cast<int>(contact.flesh->from);
+  const int to = 3 * static_cast<int>(contact.flesh->to);
+  std::array<double, kSkeletonUnknowns> row;
+  for (int i = 0; i < movers.count; ++i) {
+    const int unknown = movers.unknowns[static_cast<std::size_t>(i)];
+    row[static_cast<std::size_t>(i)] =
+        (1.0 - contact.share) * contact.normal.dot(jacobian.block<3, 1>(from, unknown)) +
+        contact.share * contact.normal.dot(jacobian.block<3, 1>(to, unknown)) -
+        (unknown == kSizeColumn ? contact.radius_mm : 0.0);
+  }
   result.energy += weight * gap.value;
-  result.gradient += weight * gap.weight * contact.gap_mm * row;
-  result.curvature.selfadjointView<Eigen::Lower>().rankUpdate(row, weight * gap.weight);
+  add_square(movers, row.data(), contact.gap_mm, weight * gap.weight, result);
 }
 
 }  // namespace
@@ -114,20 +159,31 @@ double SkeletonEnergy::at(const SkeletonPose& pose) const {
 Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
   PoseJacobian jacobian;
   const Points points = landmarks(skeleton_, pose, jacobian);
+  const MoversOfLandmarks movers = movers_of(jacobian);
   Linearised result;
   result.energy = prior_of(pose);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_known(targets_[i])) continue;
     const Point3 residual = points[i] - targets_[i].point;
-    const Eigen::Matrix<double, 3, kSkeletonUnknowns> rows =
-        jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(i));
     result.energy += 0.5 * weight(i) * residual.squaredNorm();
-    result.gradient += weight(i) * rows.transpose() * residual;
-    result.curvature += weight(i) * rows.transpose() * rows;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::array<double, kSkeletonUnknowns> row;
+      for (int k = 0; k < movers[i].count; ++k)
+        row[static_cast<std::size_t>(k)] =
+            jacobian(3 * static_cast<int>(i) + axis, movers[i].unknowns[static_cast<std::size_t>(k)]);
+      add_square(movers[i], row.data(), residual[axis], weight(i), result);
+    }
+  }
+  std::array<Movers, kFleshCount> movers_of_flesh;
+  for (std::size_t i = 0; i < kFleshCount; ++i) {
+    const HandFlesh& flesh = hand_flesh()[i];
+    movers_of_flesh[i] =
+        merged(movers[static_cast<std::size_t>(flesh.from)], movers[static_cast<std::size_t>(flesh.to)]);
   }
   for_each_contact(points, pose.size,
                    [&](const SurfaceContact& contact, const GapPenalty& gap, double weight) {
-                     add_contact(contact, gap, weight, jacobian, result);
+                     const auto number = static_cast<std::size_t>(contact.flesh - hand_flesh().data());
+                     add_contact(contact, gap, weight, jacobian, movers_of_flesh[number], result);
                    });
   add_prior(pose, result);
   return result;
