@@ -2,6 +2,7 @@
 #include "knuckle/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "knuckle/camera/projection.h"
@@ -256,8 +257,10 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     }
     return true;
   });
+  // Who found the place and who sees the pose there are two witnesses: the first counts by half.
+  const double likelihood = std::sqrt(region.likelihood.value_or(1.0));
   hand.region = std::move(region);
-  hand.score = plausibility * mean_confidence(seen.pose);
+  hand.score = likelihood * plausibility * mean_confidence(seen.pose);
   hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
                          : std::move(seen.pose);
   return hand;
@@ -269,6 +272,7 @@ HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& cent
   HandRegion region = region_in_cube(frame, place, estimator_->patches().options().cube_mm);
   region.score = before.score;
   region.side = before.side;
+  region.likelihood = before.likelihood;
   return region;
 }
 

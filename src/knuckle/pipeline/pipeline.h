@@ -32,8 +32,9 @@ struct HandEstimate {
   HandRegion
       region;  ///< what was looked at last: the segmented hand, or what lies in the cube of a later look
   HandPose pose;
-  /// What is known of the hand, [0, 1]: the mean confidence of its joints (1 where the method gives none),
-  /// times how plausible refiners find it.
+  /// How sure it is that this is a hand, [0, 1]: the mean confidence of its joints (1 where the method gives
+  /// none), times how plausible refiners find it, times the root of how likely segmentation finds a hand
+  /// there.
   double score = 1.0;
   HandSide side = HandSide::right;  ///< as which it was looked at (`HandOptions::side`)
   /// How likely the hand is of that side, as the estimator sees it, [0, 1]; nothing: it cannot tell.

@@ -427,6 +427,31 @@ PipelineParts moving_parts(std::vector<int> columns, int max_hands) {
           std::make_unique<MovingEstimator>()};
 }
 
+/// What another segmenter finds, as likely as it is told.
+class LikelySegmenter final : public Segmenter {
+ public:
+  explicit LikelySegmenter(std::optional<double> likelihood) : likelihood_(likelihood) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    for (HandRegion& hand : found.hands) hand.likelihood = likelihood_;
+    return found;
+  }
+
+ private:
+  std::optional<double> likelihood_;
+};
+
+TEST(PipelineFromParts, AHandIsAsSureAsItsPoseAndByHalfAsItsPlace) {
+  const auto score = [](std::optional<double> likelihood) {
+    const Pipeline pipeline(
+        {HandFinder(std::make_unique<LikelySegmenter>(likelihood), {}), std::make_unique<CornerEstimator>()});
+    return pipeline.estimate(plate()).hands.at(0).score;
+  };
+  EXPECT_DOUBLE_EQ(score(std::nullopt), 0.5);
+  EXPECT_DOUBLE_EQ(score(1.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.25), 0.25);
+}
+
 /// Fits a skeleton, as it says, and lowers the first joint by 1 mm.
 class FittingRefiner final : public Refiner {
  public:

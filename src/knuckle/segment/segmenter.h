@@ -19,6 +19,8 @@ struct HandRegion {
   Image<std::uint8_t> mask;        ///< of the box's size: 1 where pixel (box.x + column, box.y + row) is hand
   Point3 centre = Point3::Zero();  ///< in camera coordinates [mm]
   double score = 0.0;              ///< larger is surer; what it means is the method's matter
+  std::optional<double> likelihood =
+      std::nullopt;  ///< how likely it is a hand, (0, 1]; where the method tells, and no start was given
   std::optional<HandSide> side =
       std::nullopt;  ///< which hand it is, in the frame given; where the method tells
 };

@@ -52,19 +52,20 @@ Segmentation DetectorSegmenter::segment(const Frame& frame, const std::optional<
   result.reason = "the detector sees no hand in the frame";
   std::vector<DetectedHand> hands = detector_.detect(frame, options_.detection);
   if (start) {
-    add_region(frame, hand_at_start(*start, hands), result);
+    add_region(frame, hand_at_start(*start, hands), true, result);
     if (result.hands.empty()) return result;
   }
   for (const DetectedHand& hand : hands) {
     if (std::ssize(result.hands) == max_hands) break;
-    add_region(frame, hand, result);
+    add_region(frame, hand, false, result);
   }
   if (!result.hands.empty()) result.reason.clear();
   std::ranges::stable_sort(result.hands, std::greater{}, &HandRegion::score);
   return result;
 }
 
-void DetectorSegmenter::add_region(const Frame& frame, const DetectedHand& hand, Segmentation& result) const {
+void DetectorSegmenter::add_region(const Frame& frame, const DetectedHand& hand, bool is_given,
+                                   Segmentation& result) const {
   const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
   const PointCloud cloud =
       points_around(frame.depth_mm, *rays, hand.centre, hand.extent_mm + options_.margin_mm);
@@ -80,6 +81,7 @@ void DetectorSegmenter::add_region(const Frame& frame, const DetectedHand& hand,
   region.centre = hand.centre;
   region.score = hand.score;
   if (hand.score > kScoreOfGivenStart) region.side = hand.side;
+  if (!is_given) region.likelihood = hand.score;
   result.hands.push_back(std::move(region));
 }
 

@@ -30,7 +30,7 @@ class DetectorSegmenter final : public Segmenter {
 
  private:
   /// Adds the region of a hand, or says why it is none.
-  void add_region(const Frame& frame, const DetectedHand& hand, Segmentation& result) const;
+  void add_region(const Frame& frame, const DetectedHand& hand, bool is_given, Segmentation& result) const;
 
   HandDetector detector_;
   DetectorSegmenterOptions options_;

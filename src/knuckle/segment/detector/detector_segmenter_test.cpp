@@ -81,6 +81,9 @@ TEST_F(DetectorSegmenterTest, AStartIsTrusted) {
   const Segmentation both = there.segment(frame_, other, 2);
   ASSERT_EQ(both.hands.size(), 2u);
   EXPECT_GT(both.hands[0].score, both.hands[1].score) << "surest first";
+  EXPECT_NEAR(both.hands[0].likelihood.value(), 0.9, 0.002) << "the detector found it";
+  EXPECT_FALSE(both.hands[1].likelihood) << "that somebody pointed at it says more than the detector";
+  EXPECT_FALSE(near.hands[0].likelihood);
 
   const Segmentation lost = there.segment(frame_, Point3(0, 0, 3000), 2);
   EXPECT_TRUE(lost.hands.empty());
