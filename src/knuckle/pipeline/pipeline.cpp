@@ -90,6 +90,16 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
   hands = std::move(kept);
 }
 
+constexpr double kSureOfSide = 0.95;
+constexpr double kOddsOfScore = 20.0;  ///< of the side whose pose is surer by 1
+
+/// 0 where nothing is known.
+double log_odds(const std::optional<double>& likelihood) {
+  if (!likelihood) return 0.0;
+  const double bounded = std::clamp(*likelihood, 1e-3, 1.0 - 1e-3);
+  return std::log(bounded / (1.0 - bounded));
+}
+
 /// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
 HandEstimate mirrored_back(HandEstimate hand, int width) {
   hand.region = mirrored(std::move(hand.region), width);
@@ -208,18 +218,20 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
 }
 
 /// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
-/// Segmentation guesses the side; an estimator that doubts the guess is shown the other one as well, and the
-/// likelier one stays.
+/// Segmentation guesses the side. Unless the estimator is sure of the guess, it is shown the other side as
+/// well, and what it says of both sides and how sure it is of both poses decide.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
                                               StageTimes& times) const {
   if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), times);
   const HandSide guess = region.side.value_or(HandSide::right);
   auto hand = hand_of_side(frame, region, guess, times);
-  if (!hand || hand->side_confidence.value_or(1.0) >= 0.5) return hand;
+  if (!hand || hand->side_confidence.value_or(0.0) >= kSureOfSide) return hand;
   auto other = hand_of_side(frame, std::move(region),
                             guess == HandSide::right ? HandSide::left : HandSide::right, times);
-  const bool is_likelier = other && other->side_confidence.value_or(0.0) > *hand->side_confidence;
-  return is_likelier ? std::move(other) : std::move(hand);
+  if (!other) return hand;
+  const double evidence = log_odds(hand->side_confidence) - log_odds(other->side_confidence) +
+                          kOddsOfScore * (hand->score - other->score);
+  return evidence >= 0.0 ? std::move(hand) : std::move(other);
 }
 
 std::optional<HandEstimate> Pipeline::hand_of_side(const Frame& frame, HandRegion region, HandSide side,

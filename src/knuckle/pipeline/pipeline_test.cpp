@@ -143,12 +143,15 @@ TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
 /// rest.
 class SideEstimator final : public Estimator {
  public:
-  explicit SideEstimator(std::optional<double> right_hand) : right_hand_(right_hand) {}
+  /// In a mirror it is surer of the pose by `surer`.
+  explicit SideEstimator(std::optional<double> right_hand, float surer = 0.0f)
+      : right_hand_(right_hand), surer_(surer) {}
   Convention convention() const override { return corner_.convention(); }
   const PatchExtractor& patches() const override { return corner_.patches(); }
   PatchPose estimate(const HandPatch& patch) const override {
     PatchPose pose = corner_.estimate(patch);
     if (right_hand_) pose.right_hand = is_mirrored(patch) ? 1.0 - *right_hand_ : *right_hand_;
+    if (is_mirrored(patch)) pose.confidence.front() += surer_;
     return pose;
   }
 
@@ -160,7 +163,21 @@ class SideEstimator final : public Estimator {
 
   CornerEstimator corner_;
   std::optional<double> right_hand_;
+  float surer_;
 };
+
+TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
+  const auto side = [](std::optional<double> right, float surer) {
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(HandSide::right), {.side = "auto"}),
+                        std::make_unique<SideEstimator>(right, surer)};
+    return Pipeline(std::move(parts)).estimate(plate()).hands.at(0).side;
+  };
+  EXPECT_EQ(side(std::nullopt, 0.2f), HandSide::left);
+  EXPECT_EQ(side(std::nullopt, -0.2f), HandSide::right);
+  EXPECT_EQ(side(0.6, 0.3f), HandSide::left) << "a little likelier a right one, and much surer as a left one";
+  EXPECT_EQ(side(0.6, 0.01f), HandSide::right);
+  EXPECT_EQ(side(0.97, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
+}
 
 TEST(PipelineFromParts, AnEstimatorThatDoubtsTheSideIsShownTheOtherOne) {
   for (const auto told :
