@@ -320,6 +320,30 @@ TEST_F(EstimateRunTest, AFullDiskIsOneLineForEveryOutputAndTheRunGoesOn) {
 }
 
 /// Looks for two hands, and takes what is not sure for one, so that both poses files have something to say.
+/// Hands that are followed, in sequences of 15 frames.
+class FollowedHandsTest : public EstimateRunTest {
+ protected:
+  void SetUp() override {
+    EstimateRunTest::SetUp();
+    write_text_file(path("manifest.toml"), read_text_file(path("manifest.toml")) +
+                                               "[pose]\nmotion = \"smooth\"\nframes_a_pose = 10\n"
+                                               "sequence_frames = 15\n");
+    write_text_file(path("pipeline.toml"), shipped_pipeline("track"));
+  }
+};
+
+TEST_F(FollowedHandsTest, KilledInTheMiddleOfSequencesItEndsWithTheBytesOfAnUndisturbedRun) {
+  ASSERT_THAT(run_program(command("whole")), Succeeded());
+  EXPECT_THAT(read_text_file(path("whole.jsonl")), HasSubstr("\"skeleton\""));
+  int killed = 0;
+  for (const std::uintmax_t bytes : {5000u, 17000u, 30000u, 44000u}) {
+    if (run_until(bytes, "run", SIGKILL, {"--resume"}).status == kKilled) ++killed;
+  }
+  EXPECT_GE(killed, 3) << "the program ended before it could be killed";
+  ASSERT_THAT(run_program(command("run", {"--resume"})), Succeeded());
+  expect_same_outputs("run", "whole");
+}
+
 class TwoHandsTest : public EstimateRunTest {
  protected:
   void SetUp() override {

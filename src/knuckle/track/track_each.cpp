@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
@@ -36,7 +38,24 @@ HandEstimate estimate_of(const TrackedHand& hand, const Camera& camera) {
   return estimate;
 }
 
-FrameResult tracked(std::int64_t index, const Frame& frame, Tracker& tracker) {
+/// Follows hands through the frames of a source, which come in order. Each sequence stands for itself, ids
+/// included, so that it does not matter which of them was seen before.
+class SequenceTracker {
+ public:
+  explicit SequenceTracker(const Pipeline& pipeline) : tracker_(pipeline, *pipeline.tracker()) {}
+
+  std::vector<TrackedHand> update(const Frame& frame) {
+    if (frame.sequence != sequence_) tracker_.reset();
+    sequence_ = frame.sequence;
+    return tracker_.update(frame);
+  }
+
+ private:
+  Tracker tracker_;
+  std::optional<int> sequence_;
+};
+
+FrameResult tracked(std::int64_t index, const Frame& frame, SequenceTracker& tracker) {
   FrameResult result{index, frame.name, frame.time_s, frame.camera, {}, {}};
   const Stopwatch watch;
   for (const TrackedHand& hand : tracker.update(frame))
@@ -71,7 +90,7 @@ void track_each(const FrameSource& source, const Pipeline& pipeline, const RunOp
   if (options.first > source.size()) {
     fail("first is {}, the source has {} frames", options.first, source.size());
   }
-  Tracker tracker(pipeline, *pipeline.tracker());
+  SequenceTracker tracker(pipeline);
   std::int64_t index = start_of_sequence(source, options.first);
   const auto next = [&]() -> Job {
     if (index == source.size()) return {};

@@ -8,7 +8,7 @@ namespace knuckle {
 /// Follows hands through the frames of a source with the pipeline's tracker (`Pipeline::tracker`), and hands
 /// over what it finds in the order of the frames, one at a time: hands with ids, angles and skeleton, surest
 /// first. Frames are read on all threads, and followed one after another. A frame that cannot be read is a
-/// result with a fault; the hands are looked for again in the next one.
+/// result with a fault; the hands are looked for again in the next one. Ids begin with 1 in each sequence.
 ///
 /// With `options.first` the tracker begins at the start of the sequence that this frame belongs to, so that
 /// results are those of a run from the beginning. Throws what `take` or the pipeline throws, Interrupted
