@@ -168,9 +168,10 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
     result.energy += 0.5 * weight(i) * residual.squaredNorm();
     for (int axis = 0; axis < 3; ++axis) {
       std::array<double, kSkeletonUnknowns> row;
-      for (int k = 0; k < movers[i].count; ++k)
-        row[static_cast<std::size_t>(k)] =
-            jacobian(3 * static_cast<int>(i) + axis, movers[i].unknowns[static_cast<std::size_t>(k)]);
+      for (int k = 0; k < movers[i].count; ++k) {
+        const int unknown = movers[i].unknowns[static_cast<std::size_t>(k)];
+        row[static_cast<std::size_t>(k)] = jacobian(3 * static_cast<int>(i) + axis, unknown);
+      }
       add_square(movers[i], row.data(), residual[axis], weight(i), result);
     }
   }
