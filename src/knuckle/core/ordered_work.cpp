@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
 
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -20,56 +21,65 @@ Delivery fault_delivery() {
   return [fault = std::current_exception()] { std::rethrow_exception(fault); };
 }
 
+struct Item {
+  Job job;
+  Delivery delivery;
+};
+
 }  // namespace
 
-// No exception crosses oneTBB: where one does, items that are on their way are never destroyed.
+// No exception crosses oneTBB: where one does, items that are on their way are never destroyed. Items go
+// through it as pointers, which it keeps as they are: so all that threads hand to each other is handed over
+// here.
 void run_in_order(const std::function<Job()>& next, int in_flight) {
   std::atomic<bool> has_ended = false;  // a fault was delivered
   bool is_all_asked = false;
   std::exception_ptr fault;
-  ThreadHandOver hand_over;
-  const auto ask = [&](tbb::flow_control& control) -> Job {
-    hand_over.take();
-    Job job;
+  const auto ask = [&](tbb::flow_control& control) -> Item* {
+    ThreadHandOver::take();
+    auto item = std::make_unique<Item>();
     try {
       if (!is_all_asked) end_if_interrupted();
-      if (!has_ended && !is_all_asked) job = next();
+      if (!has_ended && !is_all_asked) item->job = next();
     } catch (...) {
       is_all_asked = true;
-      job = [fails = fault_delivery()] { return fails; };
+      item->job = [fails = fault_delivery()] { return fails; };
     }
-    if (!job) control.stop();
-    hand_over.give();
-    return job;
+    if (!item->job) {
+      control.stop();
+      item.reset();
+    }
+    ThreadHandOver::give();
+    return item.release();
   };
-  const auto work = [&](const Job& job) -> Delivery {
-    hand_over.take();
-    Delivery delivery;
+  const auto work = [&](Item* item) -> Item* {
+    ThreadHandOver::take();
     try {
-      if (!has_ended) delivery = tbb::this_task_arena::isolate(job);
+      if (!has_ended) item->delivery = tbb::this_task_arena::isolate(item->job);
     } catch (...) {
-      delivery = fault_delivery();
+      item->delivery = fault_delivery();
     }
-    hand_over.give();
-    return delivery;
+    ThreadHandOver::give();
+    return item;
   };
-  const auto deliver = [&](const Delivery& delivery) {
-    hand_over.take();
+  const auto deliver = [&](Item* delivered) {
+    ThreadHandOver::take();
+    const std::unique_ptr<Item> item(delivered);
     try {
-      if (!has_ended) tbb::this_task_arena::isolate(delivery);
+      if (!has_ended) tbb::this_task_arena::isolate(item->delivery);
     } catch (...) {
       fault = std::current_exception();
       has_ended = true;
     }
-    hand_over.give();
+    ThreadHandOver::give();
   };
-  hand_over.give();
+  ThreadHandOver::give();
   using enum tbb::filter_mode;
   tbb::parallel_pipeline(static_cast<std::size_t>(std::max(in_flight, 1)),
-                         tbb::make_filter<void, Job>(serial_in_order, ask) &
-                             tbb::make_filter<Job, Delivery>(parallel, work) &
-                             tbb::make_filter<Delivery, void>(serial_in_order, deliver));
-  hand_over.take();
+                         tbb::make_filter<void, Item*>(serial_in_order, ask) &
+                             tbb::make_filter<Item*, Item*>(parallel, work) &
+                             tbb::make_filter<Item*, void>(serial_in_order, deliver));
+  ThreadHandOver::take();
   if (fault) std::rethrow_exception(fault);
 }
 

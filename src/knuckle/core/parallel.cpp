@@ -20,6 +20,12 @@ std::unique_ptr<tbb::global_control>& thread_limit() {
   return limit;
 }
 
+/// What a task takes as it begins, and gives as it ends, by an exception or not.
+struct TaskHandOver {
+  TaskHandOver() { ThreadHandOver::take(); }
+  ~TaskHandOver() { ThreadHandOver::give(); }
+};
+
 }  // namespace
 
 int thread_count() {
@@ -36,16 +42,13 @@ void set_thread_count(int count) {
 }
 
 void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& work) {
-  ThreadHandOver begun;
-  ThreadHandOver done;
-  begun.give();
+  ThreadHandOver::give();
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) {
-    begun.take();
+    const TaskHandOver hand_over;
     end_if_interrupted();
     work(i);
-    done.give();
   });
-  done.take();
+  ThreadHandOver::take();
 }
 
 }  // namespace knuckle
