@@ -42,12 +42,13 @@ void set_thread_count(int count) {
 }
 
 void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& work) {
-  ThreadHandOver::give();
-  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) {
+  const auto task = [&](std::int64_t i) {
     const TaskHandOver hand_over;
     end_if_interrupted();
     work(i);
-  });
+  };
+  ThreadHandOver::give();
+  tbb::parallel_for(std::int64_t{0}, count, task);
   ThreadHandOver::take();
 }
 
