@@ -36,7 +36,7 @@ void run_in_order(const std::function<Job()>& next, int in_flight) {
   bool is_all_asked = false;
   std::exception_ptr fault;
   const auto ask = [&](tbb::flow_control& control) -> Item* {
-    ThreadHandOver::take();
+    const TaskHandOver hand_over;
     auto item = std::make_unique<Item>();
     try {
       if (!is_all_asked) end_if_interrupted();
@@ -49,21 +49,19 @@ void run_in_order(const std::function<Job()>& next, int in_flight) {
       control.stop();
       item.reset();
     }
-    ThreadHandOver::give();
     return item.release();
   };
   const auto work = [&](Item* item) -> Item* {
-    ThreadHandOver::take();
+    const TaskHandOver hand_over;
     try {
       if (!has_ended) item->delivery = tbb::this_task_arena::isolate(item->job);
     } catch (...) {
       item->delivery = fault_delivery();
     }
-    ThreadHandOver::give();
     return item;
   };
   const auto deliver = [&](Item* delivered) {
-    ThreadHandOver::take();
+    const TaskHandOver hand_over;
     const std::unique_ptr<Item> item(delivered);
     try {
       if (!has_ended) tbb::this_task_arena::isolate(item->delivery);
@@ -71,7 +69,6 @@ void run_in_order(const std::function<Job()>& next, int in_flight) {
       fault = std::current_exception();
       has_ended = true;
     }
-    ThreadHandOver::give();
   };
   ThreadHandOver::give();
   using enum tbb::filter_mode;

@@ -20,12 +20,6 @@ std::unique_ptr<tbb::global_control>& thread_limit() {
   return limit;
 }
 
-/// What a task takes as it begins, and gives as it ends, by an exception or not.
-struct TaskHandOver {
-  TaskHandOver() { ThreadHandOver::take(); }
-  ~TaskHandOver() { ThreadHandOver::give(); }
-};
-
 }  // namespace
 
 int thread_count() {

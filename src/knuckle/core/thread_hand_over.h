@@ -34,4 +34,13 @@ class ThreadHandOver {
 #endif
 };
 
+/// Takes as a task begins, and gives as it ends, by an exception or not.
+class TaskHandOver {
+ public:
+  TaskHandOver() { ThreadHandOver::take(); }
+  ~TaskHandOver() { ThreadHandOver::give(); }
+  TaskHandOver(const TaskHandOver&) = delete;
+  TaskHandOver& operator=(const TaskHandOver&) = delete;
+};
+
 }  // namespace knuckle
