@@ -12,6 +12,7 @@ pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)  # tests compare with it
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 
 # The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the three modules that we use ourselves.

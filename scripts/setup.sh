@@ -14,7 +14,7 @@ packages=(
   g++ make cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
-  libopenexr-dev libpng-dev libdeflate-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
 )
 development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py

@@ -21,7 +21,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/hand/body_file.h"
 #include "knuckle/hand/body_rig.h"
-#include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 #include "knuckle/synth/makehuman/makehuman_import.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/people/people.h"
@@ -95,14 +95,14 @@ Cost source_cost(Manifest manifest, const std::shared_ptr<const Body>& body) {
   return cost_of([&](std::int64_t i) { static_cast<void>(source->read(i)); });
 }
 
-void write_cost(Hdf5File& file, const std::string& name, const Cost& cost) {
+void write_cost(Hdf5Writer& file, const std::string& name, const Cost& cost) {
   file.set_attribute(name + "_frames_per_second", cost.frames_per_second);
   file.set_attribute(name + "_cpu_seconds_per_frame", cost.cpu_seconds_per_frame);
 }
 
 /// Rows of float arrays, one per frame.
 template <class Get>
-void write_frames(Hdf5File& file, const std::string& name, const std::vector<std::uint64_t>& shape,
+void write_frames(Hdf5Writer& file, const std::string& name, const std::vector<std::uint64_t>& shape,
                   const std::vector<PosedFrame>& frames, Get append) {
   std::vector<float> values;
   for (const PosedFrame& frame : frames) append(frame, values);
@@ -117,7 +117,7 @@ void append_points(const auto& points, std::vector<float>& values) {
   }
 }
 
-void write_person(Hdf5File& file, const ShapedBody& person) {
+void write_person(Hdf5Writer& file, const ShapedBody& person) {
   std::vector<float> values;
   append_points(person.vertices, values);
   file.write<float>("rest_vertices", {person.vertices.size(), 3}, values.data());
@@ -129,7 +129,7 @@ void write_person(Hdf5File& file, const ShapedBody& person) {
   file.write<float>("rest_landmarks", {person.landmarks.size(), 3}, values.data());
 }
 
-void write_frame_arrays(Hdf5File& file, const std::vector<PosedFrame>& frames, const Camera& camera) {
+void write_frame_arrays(Hdf5Writer& file, const std::vector<PosedFrame>& frames, const Camera& camera) {
   const std::uint64_t bones = frames[0].pose.rotations.size();
   const std::uint64_t vertices = frames[0].posed.vertices.size();
   write_frames(file, "rotations_wxyz", {bones, 4}, frames, [](const PosedFrame& frame, auto& values) {
@@ -178,7 +178,7 @@ Camera camera_of(const std::vector<double>& numbers) {
   return camera;
 }
 
-void write_camera(Hdf5File& file, const Camera& camera) {
+void write_camera(Hdf5Writer& file, const Camera& camera) {
   file.set_attribute("width", camera.width);
   file.set_attribute("height", camera.height);
   file.set_attribute("fx", camera.fx);
@@ -201,7 +201,7 @@ void dump(const Arguments& arguments) {
 
   const std::string body_file = arguments.out + ".body.model";
   save_body(*body, body_file);
-  Hdf5File file = Hdf5File::create(arguments.out);
+  Hdf5Writer file = Hdf5Writer::create(arguments.out);
   file.set_attribute("body", body_file);
   write_camera(file, camera);
   write_person(file, person);

@@ -32,22 +32,6 @@ void require_regular(const struct stat& status, const std::filesystem::path& pat
   }
 }
 
-class Descriptor {
- public:
-  /// Opening a FIFO waits for somebody who writes, unless told not to.
-  explicit Descriptor(const std::filesystem::path& path)
-      : number_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
-
 }  // namespace
 
 void require_regular_file(const std::filesystem::path& path) {
@@ -56,24 +40,40 @@ void require_regular_file(const std::filesystem::path& path) {
   require_regular(status, path);
 }
 
-std::string read_regular_file(const std::filesystem::path& path, std::int64_t most_bytes) {
+RegularFile::RegularFile(const std::filesystem::path& path) : descriptor_(-1) {
   require_regular_file(path);  // before it is opened: opening a device may do something
-  const Descriptor file(path);
-  struct stat status {};
-  if (file.number() < 0 || ::fstat(file.number(), &status) != 0) fail_to_read(path);
-  require_regular(status, path);
+  // Opening a FIFO waits for somebody who writes, unless told not to.
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor_ < 0) fail_to_read(path);
+  try {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) fail_to_read(path);
+    require_regular(status, path);
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+RegularFile::~RegularFile() {
+  ::close(descriptor_);
+}
+
+std::string read_regular_file(const std::filesystem::path& path, std::int64_t most_bytes) {
+  const RegularFile file(path);
   const auto fail_if_large = [&](std::int64_t bytes) {
     if (bytes > most_bytes) {
       fail("{}: the file has {} bytes or more, expected at most {}", path.string(), bytes, most_bytes);
     }
   };
-  fail_if_large(status.st_size);
+  fail_if_large(static_cast<std::int64_t>(file.size()));
   // One more than its size: the end is found without another turn. Files of /proc have size 0 and content.
   constexpr std::size_t kLeast = 4096;
-  std::string bytes(std::max(kLeast, static_cast<std::size_t>(status.st_size) + 1), '\0');
+  std::string bytes(std::max(kLeast, static_cast<std::size_t>(file.size()) + 1), '\0');
   std::size_t length = 0;
   while (true) {
-    const ssize_t count = ::read(file.number(), bytes.data() + length, bytes.size() - length);
+    const ssize_t count = ::read(file.descriptor(), bytes.data() + length, bytes.size() - length);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail_to_read(path);
     if (count == 0) break;

@@ -11,7 +11,7 @@
 #include "knuckle/hand/body_file.h"
 #include "knuckle/prepare/sample_file.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/synthetic_source.h"
 
@@ -128,14 +128,14 @@ TEST_F(SampleCacheTest, ADamagedOrForeignFileIsNamed) {
     write_text_file(file, whole);
   }
   {
-    Hdf5File changed = Hdf5File::open_for_writing(file);
+    Hdf5Writer changed = Hdf5Writer::open(file);
     const std::vector<double> nothing(3 * 6, NAN);
     changed.write_rows("centres_mm", 0, 1, nothing.data());
   }
   EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("centre"), HasSubstr("remove the file")));
   write_text_file(file, whole);
   {
-    Hdf5File changed = Hdf5File::open_for_writing(file);
+    Hdf5Writer changed = Hdf5Writer::open(file);
     changed.set_attribute("inputs", "others");
   }
   EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("other sources or options")));

@@ -12,6 +12,7 @@
 #include "knuckle/storage/deflate.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 
 namespace knuckle {
 namespace {
@@ -21,7 +22,7 @@ constexpr int kVersion = 1;
 constexpr std::uint64_t kCoordinates = 3;
 constexpr std::uint64_t kRowsAtOnce = 1024;
 
-void write_arrays(Hdf5File& file, const CubeSamples& samples) {
+void write_arrays(Hdf5Writer& file, const CubeSamples& samples) {
   const auto count = static_cast<std::uint64_t>(samples.size());
   const auto crop = static_cast<std::uint64_t>(samples.crop_px());
   file.create_dataset<std::uint8_t>("codes", {count, crop, crop}, {.rows_per_chunk = 1, .deflate_level = 1});
@@ -108,7 +109,7 @@ class SampleReader {
 
 void write_samples(const std::filesystem::path& path, const NetworkSamples& samples, const Inputs& inputs) {
   write_file_atomically(path, [&](const std::filesystem::path& temporary) {
-    Hdf5File file = Hdf5File::create(temporary);
+    Hdf5Writer file = Hdf5Writer::create(temporary);
     const auto& [cut, frames] = samples;
     file.set_attribute("format", kFormat);
     file.set_attribute("version", double{kVersion});

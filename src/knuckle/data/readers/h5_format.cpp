@@ -38,19 +38,6 @@ std::optional<HandSide> side_of(std::int8_t code, std::string_view where) {
        kSideUnknown);
 }
 
-void write_camera(Hdf5File& file, const Camera& camera) {
-  file.set_attribute("pixel_origin", "centre");
-  file.set_attribute("camera_model",
-                     camera.model == CameraModel::orthographic ? "orthographic" : "projective");
-  file.set_attribute("width", camera.width);
-  file.set_attribute("height", camera.height);
-  file.set_attribute("fx", camera.fx);
-  file.set_attribute("fy", camera.fy);
-  file.set_attribute("cx", camera.cx);
-  file.set_attribute("cy", camera.cy);
-  file.set_attribute("distortion", std::vector<double>(camera.distortion.begin(), camera.distortion.end()));
-}
-
 Camera read_camera(const Hdf5File& file) {
   const std::string name = file.path().string();
   Camera camera;

@@ -40,8 +40,6 @@ std::int8_t code_of(std::optional<HandSide> side);
 /// The side from that number.
 std::optional<HandSide> side_of(std::int8_t code, std::string_view where);
 
-/// The camera of the first frame as attributes of the file.
-void write_camera(Hdf5File& file, const Camera& camera);
 /// Throws an Error that names the file where the attributes are missing or impossible.
 Camera read_camera(const Hdf5File& file);
 

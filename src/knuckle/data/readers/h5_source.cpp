@@ -74,7 +74,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   timeline_ = read_timeline();
 }
 
-/// HDF5 takes zeros for what lies beyond the end of a file that was cut short after it was opened.
+/// What is read of a file that somebody writes to may be half old and half new.
 void H5Source::require_unchanged() const {
   std::error_code is_gone;  // then the open file is still whole
   const std::uintmax_t bytes = std::filesystem::file_size(file_.path(), is_gone);

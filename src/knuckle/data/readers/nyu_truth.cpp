@@ -41,6 +41,20 @@ struct Labels {
   }
 };
 
+/// Throws unless the file's header says version 5. Files of version 7.3 are HDF5, whose library matio would
+/// call, and that crashes on damaged ones.
+void require_version_5(const std::filesystem::path& path) {
+  constexpr std::streamoff kVersionPlace = 124;
+  std::array<char, 4> version_and_order{};
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(kVersionPlace);
+  file.read(version_and_order.data(), version_and_order.size());
+  constexpr std::array<char, 4> kVersion5{0x00, 0x01, 'I', 'M'};  // 0x0100, little-endian
+  if (!file || version_and_order != kVersion5) {
+    fail("{}: expected a little-endian Matlab file of version 5 (save it with -v7 or -v6)", path.string());
+  }
+}
+
 /// Throws where the last element of a Matlab 5 file runs over its end, which matio does not notice. Such a
 /// file is a header of 128 bytes, then elements of 4 bytes of type, 4 bytes of length, and that many bytes.
 void require_whole(const std::filesystem::path& path) {
@@ -80,12 +94,10 @@ void require_room(const std::filesystem::path& path, std::size_t views, std::siz
 Labels read_labels(const std::filesystem::path& path) {
   const std::string name = path.string();
   require_regular_file(path);
+  require_version_5(path);
   [[maybe_unused]] static const bool is_silent = silence_library();
   const std::unique_ptr<mat_t, MatCloser> file(Mat_Open(name.c_str(), MAT_ACC_RDONLY));
   if (!file) fail("{}: cannot be opened as a Matlab file", name);
-  if (Mat_GetVersion(file.get()) != MAT_FT_MAT5) {
-    fail("{}: expected a Matlab file of version 5 (save it with -v7 or -v6)", name);
-  }
   require_whole(path);
   Labels labels{std::unique_ptr<matvar_t, MatCloser>(Mat_VarReadInfo(file.get(), kArray))};
   const matvar_t* array = labels.array.get();

@@ -11,6 +11,7 @@
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 
 namespace fs = std::filesystem;
 
@@ -309,61 +310,61 @@ TEST(H5, NamesFileAndFault) {
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("missing")));
   put_file(path, "this is not an HDF5 file");
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("HDF5")));
-  Hdf5File::create(path).close();
+  Hdf5Writer::create(path).close();
   EXPECT_THAT(error_of_h5_set(path), AllOf(HasSubstr("a.h5"), HasSubstr("format")));
 }
 
 TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
-  const auto error_after = [&](const std::function<void(Hdf5File&)>& spoil) {
+  const auto error_after = [&](const std::function<void(Hdf5Writer&)>& spoil) {
     fs::remove(path);
     write_set(path, 0, 3);
-    Hdf5File file = Hdf5File::open_for_writing(path);
+    Hdf5Writer file = Hdf5Writer::open(path);
     spoil(file);
     file.close();
     return error_of_h5_set(path);
   };
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("version", 3); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("version", 3); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("version 3")));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("complete", 0); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("complete", 0); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("unfinished")));
-  EXPECT_THAT(error_after([](Hdf5File& file) {
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
                 const double no_focal_length[] = {0.0, 31.25, 11.7, 8.4};
                 file.write_rows(kH5Intrinsics, 0, 1, no_focal_length);
               }),
               AllOf(HasSubstr("a.h5: intrinsics: frame 0"), HasSubstr("fx")));
-  EXPECT_THAT(error_after([](Hdf5File& file) {
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
                 const std::int8_t third_hand = 2;
                 file.write_rows(kH5Side, 0, 1, &third_hand);
               }),
               AllOf(HasSubstr("a.h5: frame 0"), HasSubstr("side is 2")));
-  EXPECT_THAT(error_after([](Hdf5File& file) {
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
                 const double back[] = {1.0, 0.5};
                 file.write_rows(kH5Time, 0, 2, back);
               }),
               HasSubstr("a.h5: frame 1: the time goes back from 1 to 0.5 s"));
-  EXPECT_THAT(error_after([](Hdf5File& file) {
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
                 const double never = std::numeric_limits<double>::quiet_NaN();
                 file.write_rows(kH5Time, 2, 1, &never);
               }),
               HasSubstr("a.h5: frame 2: the time is nan"));
-  EXPECT_THAT(error_after([](Hdf5File& file) {
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
                 const std::int32_t below = -1;
                 file.write_rows(kH5Sequence, 0, 1, &below);
               }),
               HasSubstr("a.h5: frame 0: the sequence is -1"));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("format", "knuckle-body"); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("format", "knuckle-body"); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("knuckle-body")));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("width", 25); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("width", 25); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("3 x 18 x 24, expected 3 x 18 x 25")));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("height", 17.5); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("height", 17.5); }),
               HasSubstr("'height' is 17.5"));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("fx", 0); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("fx", 0); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("fx")));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("depth_unit_mm", -1); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("depth_unit_mm", -1); }),
               HasSubstr("depth_unit_mm"));
-  EXPECT_THAT(error_after([](Hdf5File& file) { file.set_attribute("camera_model", "fisheye"); }),
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("camera_model", "fisheye"); }),
               HasSubstr("fisheye"));
 }
 
@@ -373,7 +374,7 @@ TEST(H5, RefusesEachArrayOfAnotherShape) {
   /// A set of two frames in which the array `wrong` has three rows.
   const auto write_with_wrong = [&](std::string_view wrong) {
     const auto rows = [&](std::string_view array) { return std::uint64_t{array == wrong ? 3u : 2u}; };
-    Hdf5File file = Hdf5File::create(path);
+    Hdf5Writer file = Hdf5Writer::create(path);
     file.set_attribute("format", kH5Format);
     file.set_attribute("version", kH5Version);
     file.set_attribute("complete", 1);

@@ -47,7 +47,7 @@ std::string landmark_names() {
 template <class T>
 class RowBlock {
  public:
-  RowBlock(Hdf5File& file, std::string_view array) : file_(file), array_(array) {}
+  RowBlock(Hdf5Writer& file, std::string_view array) : file_(file), array_(array) {}
 
   template <class Row>
   void add(const Row& row) {
@@ -62,7 +62,7 @@ class RowBlock {
   }
 
  private:
-  Hdf5File& file_;
+  Hdf5Writer& file_;
   std::string_view array_;
   std::uint64_t first_ = 0;
   std::uint64_t rows_ = 0;
@@ -70,6 +70,19 @@ class RowBlock {
 };
 
 }  // namespace
+
+void write_camera(Hdf5Writer& file, const Camera& camera) {
+  file.set_attribute("pixel_origin", "centre");
+  file.set_attribute("camera_model",
+                     camera.model == CameraModel::orthographic ? "orthographic" : "projective");
+  file.set_attribute("width", camera.width);
+  file.set_attribute("height", camera.height);
+  file.set_attribute("fx", camera.fx);
+  file.set_attribute("fy", camera.fy);
+  file.set_attribute("cx", camera.cx);
+  file.set_attribute("cy", camera.cy);
+  file.set_attribute("distortion", std::vector<double>(camera.distortion.begin(), camera.distortion.end()));
+}
 
 H5Writer::H5Writer(fs::path path, const FrameWriterOptions& options)
     : path_(std::move(path)),
@@ -94,12 +107,12 @@ void H5Writer::write(std::int64_t index, const Frame& frame) {
   ledger_.note_written(index);
 }
 
-void H5Writer::create_arrays(Hdf5File& file) const {
+void H5Writer::create_arrays(Hdf5Writer& file) const {
   const FrameLayout layout = *ledger_.layout();
   const auto count = static_cast<std::uint64_t>(options_.count);
   const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(layout.camera.height),
                                           static_cast<std::uint64_t>(layout.camera.width)};
-  constexpr Hdf5File::Storage kOneFramePerChunk{1, 1};
+  constexpr Hdf5Writer::Storage kOneFramePerChunk{1, 1};
   file.create_dataset<std::uint16_t>(kH5Depth, images, kOneFramePerChunk);
   if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kOneFramePerChunk);
   if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kOneFramePerChunk);
@@ -118,7 +131,7 @@ std::vector<StoredFrame> H5Writer::read_back(std::int64_t first, std::int64_t co
   return frames;
 }
 
-void H5Writer::write_frames(Hdf5File& file) const {
+void H5Writer::write_frames(Hdf5Writer& file) const {
   constexpr std::int64_t kFramesAtOnce = 256;
   const bool has_time = ledger_.layout()->has_time;
   RowBlock<float> joints(file, kH5Joints);
@@ -147,7 +160,7 @@ void H5Writer::write_frames(Hdf5File& file) const {
   write_timeline(file, timeline);
 }
 
-void H5Writer::write_timeline(Hdf5File& file, const Timeline& timeline) const {
+void H5Writer::write_timeline(Hdf5Writer& file, const Timeline& timeline) const {
   if (const auto fault = fault_of(timeline))
     fail("{}: frame {}: {}", path_.string(), options_.first + fault->frame, fault->message);
   const auto count = static_cast<std::uint64_t>(options_.count);
@@ -156,7 +169,7 @@ void H5Writer::write_timeline(Hdf5File& file, const Timeline& timeline) const {
 }
 
 void H5Writer::write_whole(const fs::path& path) const {
-  Hdf5File file = Hdf5File::create(path);
+  Hdf5Writer file = Hdf5Writer::create(path);
   file.set_attribute("format", kH5Format);
   file.set_attribute("version", kH5Version);
   file.set_attribute("complete", 0);

@@ -11,9 +11,13 @@
 namespace knuckle {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 using testing::error_of;
 using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 /// A file of the library, open while its owner lives.
 class ForeignHdf5 : public ::testing::Test {
@@ -24,6 +28,17 @@ class ForeignHdf5 : public ::testing::Test {
   Hdf5File reopened() {
     close();
     return Hdf5File::open(path_);
+  }
+  void create_anew(hid_t creation, hid_t access) {
+    close();
+    file_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, creation, access);
+  }
+  void add_number(const char* name, double number) {
+    const hid_t space = H5Screate(H5S_SCALAR);
+    const hid_t attribute = H5Acreate2(file_, name, H5T_IEEE_F64BE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, &number);
+    H5Aclose(attribute);
+    H5Sclose(space);
   }
   void close() {
     if (file_ >= 0) H5Fclose(file_);
@@ -72,6 +87,13 @@ class ForeignHdf5 : public ::testing::Test {
   std::filesystem::path path_ = folder_ / "foreign.h5";
   hid_t file_;
 };
+
+/// The settings with which a newer file is made.
+hid_t newer_format(H5F_libver_t format) {
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_libver_bounds(access, format, H5F_LIBVER_LATEST);
+  return access;
+}
 
 TEST_F(ForeignHdf5, TextsOfManyElementsAreRefused) {
   add_texts("variable", H5T_VARIABLE, 500);
@@ -151,6 +173,146 @@ TEST_F(ForeignHdf5, AChunkLargerThanItMayBeIsRefused) {
   H5Pclose(properties);
   H5Sclose(space);
   EXPECT_THAT(fault_of_depth(), HasSubstr("in chunks of 2147483648 bytes"));
+}
+
+TEST_F(ForeignHdf5, TheFormatOfVersion18IsRead) {
+  create_anew(H5P_DEFAULT, newer_format(H5F_LIBVER_V18));
+  add_chunked({4, 3, 2}, true, true);
+  add_number("number", 2.5);
+  const Hdf5File file = reopened();
+  EXPECT_EQ(file.number_attribute("number"), 2.5);
+  const auto depth = file.read<std::int64_t>("depth");
+  EXPECT_THAT(depth.shape, ElementsAre(6, 4, 5));
+  for (std::int64_t i = 0; i < 120; ++i) ASSERT_EQ(depth.values[static_cast<std::size_t>(i)], i);
+}
+
+TEST_F(ForeignHdf5, BytesBeforeTheFileAreSkipped) {
+  const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+  H5Pset_userblock(creation, 2048);
+  create_anew(creation, H5P_DEFAULT);
+  add_chunked({4, 3, 2}, true, true);
+  EXPECT_EQ(reopened().read<std::uint16_t>("depth").values[119], 119);
+}
+
+TEST_F(ForeignHdf5, NewerLayoutsAreRefusedWithTheWordsThatHelp) {
+  create_anew(H5P_DEFAULT, newer_format(H5F_LIBVER_LATEST));
+  add_chunked({2, 4, 5}, false, true);
+  EXPECT_THAT(fault_of_depth(), AllOf(HasSubstr("'depth' in a layout of version 4, which is not read"),
+                                      HasSubstr("libver='earliest'")));
+  create_anew(H5P_DEFAULT, newer_format(H5F_LIBVER_V18));
+  for (int i = 0; i < 20; ++i) add_number(std::to_string(i).c_str(), i);
+  EXPECT_THAT(error_of([&] { reopened(); }), HasSubstr("has attributes outside of a header"));
+  create_anew(H5P_DEFAULT, newer_format(H5F_LIBVER_V18));
+  for (int i = 0; i < 20; ++i)
+    H5Gclose(H5Gcreate2(file_, std::to_string(i).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_THAT(error_of([&] { reopened(); }), HasSubstr("has a group of many links"));
+}
+
+TEST_F(ForeignHdf5, HundredsOfArraysAndAttributesAreFound) {
+  for (int i = 0; i < 300; ++i) {
+    const hsize_t two = 2;
+    const std::string name = fmt::format("array number {}", i);
+    const hid_t space = H5Screate_simple(1, &two, nullptr);
+    const hid_t set =
+        H5Dcreate2(file_, name.c_str(), H5T_STD_I16BE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const std::array<int, 2> values{i, -i};
+    H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(set);
+    H5Sclose(space);
+    add_number(name.c_str(), 0.5 * i);
+  }
+  const Hdf5File file = reopened();
+  for (int i = 0; i < 300; ++i) {
+    const std::string name = fmt::format("array number {}", i);
+    EXPECT_THAT(file.read<int>(name).values, ElementsAre(i, -i));
+    EXPECT_EQ(file.number_attribute(name), 0.5 * i);
+  }
+}
+
+TEST_F(ForeignHdf5, WhatWasNeverWrittenHasTheFillValue) {
+  for (const bool is_chunked : {false, true}) {
+    for (const H5D_layout_t layout : {H5D_CONTIGUOUS, H5D_CHUNKED}) {
+      create_anew(H5P_DEFAULT, is_chunked ? newer_format(H5F_LIBVER_V18) : H5P_DEFAULT);
+      const std::array<hsize_t, 2> shape{3, 4};
+      const hid_t space = H5Screate_simple(2, shape.data(), nullptr);
+      const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+      if (layout == H5D_CHUNKED) H5Pset_chunk(properties, 2, std::array<hsize_t, 2>{2, 3}.data());
+      const int value = -7;
+      H5Pset_fill_value(properties, H5T_NATIVE_INT, &value);
+      H5Dclose(H5Dcreate2(file_, "depth", H5T_STD_I16LE, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+      H5Pclose(properties);
+      H5Sclose(space);
+      const auto depth = reopened().read<int>("depth");
+      EXPECT_THAT(depth.shape, ElementsAre(3, 4));
+      EXPECT_THAT(depth.values, AllOf(SizeIs(12), Each(-7)));
+    }
+  }
+}
+
+TEST_F(ForeignHdf5, ValuesInTheHeaderAreRead) {
+  const std::array<hsize_t, 2> shape{3, 2};
+  const hid_t space = H5Screate_simple(2, shape.data(), nullptr);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_layout(properties, H5D_COMPACT);
+  const hid_t set = H5Dcreate2(file_, "depth", H5T_IEEE_F32BE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  const std::array<float, 6> values{1.5F, -2, 3, 4, 5e20F, 6};
+  H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Dclose(set);
+  H5Pclose(properties);
+  H5Sclose(space);
+  EXPECT_THAT(reopened().read<float>("depth").values, ElementsAreArray(values));
+}
+
+TEST_F(ForeignHdf5, ChunksThatWereLeftOutOfFiltersAreRead) {
+  const std::array<hsize_t, 1> shape{4};
+  const hid_t space = H5Screate_simple(1, shape.data(), nullptr);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties, 1, shape.data());
+  H5Pset_shuffle(properties);
+  H5Pset_deflate(properties, 4);
+  const hid_t set = H5Dcreate2(file_, "depth", H5T_STD_U16LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  const std::array<std::uint16_t, 4> values{1, 258, 3, 65535};
+  const hsize_t place = 0;
+  constexpr std::uint32_t kNeither = 3;
+  H5Dwrite_chunk(set, H5P_DEFAULT, kNeither, &place, sizeof(values), values.data());
+  H5Dclose(set);
+  H5Pclose(properties);
+  H5Sclose(space);
+  EXPECT_THAT(reopened().read<std::uint16_t>("depth").values, ElementsAreArray(values));
+}
+
+TEST_F(ForeignHdf5, AnArrayThatShrankIsReadAsItIs) {
+  const std::array<hsize_t, 1> shape{10};
+  const hsize_t unlimited = H5S_UNLIMITED;
+  const hid_t space = H5Screate_simple(1, shape.data(), &unlimited);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties, 1, std::array<hsize_t, 1>{3}.data());
+  const hid_t set = H5Dcreate2(file_, "depth", H5T_NATIVE_INT, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  std::array<int, 10> values{};
+  std::iota(values.begin(), values.end(), 1);
+  H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Dset_extent(set, std::array<hsize_t, 1>{4}.data());
+  H5Dclose(set);
+  H5Pclose(properties);
+  H5Sclose(space);
+  EXPECT_THAT(reopened().read<int>("depth").values, ElementsAre(1, 2, 3, 4));
+}
+
+TEST_F(ForeignHdf5, NumbersThatDoNotFitAreRefused) {
+  add_chunked({2, 4, 5}, true, true, H5T_IEEE_F32LE);
+  EXPECT_EQ(reopened().read<std::uint8_t>("depth").values[119], 119);
+  create_anew(H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t one = 1;
+  const hid_t space = H5Screate_simple(1, &one, nullptr);
+  const hid_t set = H5Dcreate2(file_, "depth", H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const int value = 70000;
+  H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value);
+  H5Dclose(set);
+  H5Sclose(space);
+  const Hdf5File file = reopened();
+  EXPECT_EQ(file.read<float>("depth").values[0], 70000.0F);
+  EXPECT_THAT(error_of([&] { file.read<std::uint16_t>("depth"); }),
+              HasSubstr("foreign.h5: depth: holds 70000, expected whole numbers from 0 to 65535"));
 }
 
 TEST_F(ForeignHdf5, AGroupInPlaceOfAnArrayIsRefused) {

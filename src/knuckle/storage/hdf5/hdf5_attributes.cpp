@@ -1,107 +1,95 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes of a file's root.
-#include <algorithm>
-#include <string>
+#include "knuckle/storage/hdf5/hdf5_attributes.h"
 
-#include "knuckle/core/error.h"
-#include "knuckle/core/limits.h"
-#include "knuckle/storage/hdf5/hdf5_handle.h"
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace knuckle {
 namespace {
 
-/// HDF5 holds no longer ones without another kind of storage: such a text is an array of bytes.
-constexpr std::size_t kLongestAttribute = 60000;
+/// Parts of attributes of version 1 fill up eight bytes.
+std::uint64_t padded(std::uint64_t bytes, int version) {
+  return version == 1 ? (bytes + 7) / 8 * 8 : bytes;
+}
+
+std::pair<std::string, Hdf5Attribute> read_attribute(Hdf5Cursor cursor) {
+  const int version = cursor.u8();
+  if (version < 1 || version > 3) cursor.file().damaged("an attribute is of an unknown version");
+  const unsigned flags = cursor.u8();
+  const std::uint64_t name_bytes = cursor.u16();
+  const std::uint64_t type_bytes = cursor.u16();
+  const std::uint64_t shape_bytes = cursor.u16();
+  if (version == 3) cursor.skip(1);  // character set
+  const std::span<const std::uint8_t> name = cursor.take(padded(name_bytes, version));
+  std::string text(name.begin(), std::find(name.begin(), name.end(), 0));
+  Hdf5Attribute attribute;
+  const std::span<const std::uint8_t> type = cursor.take(padded(type_bytes, version));
+  const std::span<const std::uint8_t> shape = cursor.take(padded(shape_bytes, version));
+  const bool has_own_type_and_shape = version == 1 || (flags & 0x03U) == 0;
+  if (!has_own_type_and_shape) return {std::move(text), std::move(attribute)};  // of another kind
+  attribute.type = read_type(Hdf5Cursor(type, cursor.file()));
+  attribute.shape = read_shape(Hdf5Cursor(shape, cursor.file()));
+  const std::span<const std::uint8_t> values = cursor.take(cursor.left());
+  const std::uint64_t bytes = saturated_product(value_count(attribute.shape), attribute.type.bytes);
+  if (bytes > values.size()) {
+    cursor.file().damaged(
+        fmt::format("the attribute '{}' declares {} bytes and has {}", text, bytes, values.size()));
+  }
+  attribute.values.assign(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(bytes));
+  return {std::move(text), std::move(attribute)};
+}
+
+void refuse_attributes_outside_header(const Hdf5Bytes& file, const Hdf5Message& message) {
+  Hdf5Cursor cursor(message.bytes, file);
+  cursor.skip(1);
+  if ((cursor.u8() & 0x01U) != 0) cursor.skip(2);
+  if (cursor.address()) file.too_new("attributes outside of a header");
+}
 
 }  // namespace
 
-bool Hdf5File::has_attribute(std::string_view name) const {
-  const Hdf5Lock lock;
-  return H5Aexists(handle_->file, std::string(name).c_str()) > 0;
+std::vector<std::uint64_t> read_shape(Hdf5Cursor cursor) {
+  const int version = cursor.u8();
+  const std::size_t rank = cursor.u8();
+  cursor.skip(1);  // whether it may grow
+  if (version == 1) {
+    cursor.skip(5);
+  } else if (version == 2) {
+    constexpr unsigned kWithoutValues = 2;
+    if (cursor.u8() == kWithoutValues) return {0};
+  } else {
+    cursor.file().damaged("a shape is of an unknown version");
+  }
+  constexpr std::size_t kMostDimensions = 32;
+  if (rank > kMostDimensions) cursor.file().damaged("a shape has too many dimensions");
+  std::vector<std::uint64_t> shape(rank);
+  for (std::uint64_t& side : shape) side = cursor.length();
+  return shape;
 }
 
-std::string Hdf5File::text_attribute(std::string_view name) const {
-  const Hdf5Lock lock;
-  if (!has_attribute(name) && has(name)) {
-    const std::vector<std::uint8_t> bytes = read<std::uint8_t>(name).values;
-    return {bytes.begin(), bytes.end()};
-  }
-  const Hdf5Id id = handle_->attribute(name);
-  const Hdf5Id file_type(H5Aget_type(id), H5Tclose);
-  if (H5Tget_class(file_type) != H5T_STRING)
-    fail("{}: the attribute '{}' is not text", path().string(), name);
-  if (H5Tis_variable_str(file_type) != 0) {
-    fail(
-        "{}: the attribute '{}' is a text of variable length, as Knuckle 0.1 wrote it; expected one of fixed "
-        "length: write the file again, or change it with scripts/convert_h5_texts.py",
-        path().string(), name);
-  }
-  handle_->require_one_value(name, id);
-  handle_->check_attribute_size(name, H5Tget_size(file_type));
-  if (H5Tget_size(file_type) > static_cast<std::size_t>(limits::kDocumentBytes)) {
-    fail("{}: the attribute '{}' is a text of {} bytes, expected at most {}", path().string(), name,
-         H5Tget_size(file_type), limits::kDocumentBytes);
-  }
-  std::string text(H5Tget_size(file_type), '\0');
-  if (H5Aread(id, file_type, text.data()) < 0)
-    fail("{}: the attribute '{}' cannot be read", path().string(), name);
-  return text.substr(0, text.find('\0'));
+std::uint64_t saturated_product(std::uint64_t a, std::uint64_t b) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+  return b != 0 && a > kLargest / b ? kLargest : a * b;
 }
 
-double Hdf5File::number_attribute(std::string_view name) const {
-  const std::vector<double> numbers = numbers_attribute(name);
-  if (numbers.size() != 1)
-    fail("{}: the attribute '{}' holds {} numbers, expected 1", path().string(), name, numbers.size());
-  return numbers[0];
+std::uint64_t value_count(const std::vector<std::uint64_t>& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::uint64_t{1}, saturated_product);
 }
 
-std::vector<double> Hdf5File::numbers_attribute(std::string_view name) const {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->attribute(name);
-  const Hdf5Id type(H5Aget_type(id), H5Tclose);
-  if (H5Tget_class(type) != H5T_INTEGER && H5Tget_class(type) != H5T_FLOAT) {
-    fail("{}: the attribute '{}' is not a number", path().string(), name);
+Hdf5Attributes read_attributes(const Hdf5Bytes& file, const std::vector<Hdf5Message>& messages) {
+  Hdf5Attributes attributes;
+  for (const Hdf5Message& message : messages) {
+    if (message.type == Hdf5MessageType::attribute_info) refuse_attributes_outside_header(file, message);
+    if (message.type != Hdf5MessageType::attribute) continue;
+    if (message.is_shared) file.too_new("a shared attribute");
+    attributes.insert(read_attribute(Hdf5Cursor(message.bytes, file)));
   }
-  const Hdf5Id space(H5Aget_space(id), H5Sclose);
-  const auto count = static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
-  constexpr std::size_t kMostNumbers = 4096;
-  if (count > kMostNumbers) {
-    fail("{}: the attribute '{}' holds {} numbers, expected at most {}", path().string(), name, count,
-         kMostNumbers);
-  }
-  std::vector<double> numbers(count);
-  if (H5Aread(id, H5T_NATIVE_DOUBLE, numbers.data()) < 0) {
-    fail("{}: the attribute '{}' cannot be read", path().string(), name);
-  }
-  return numbers;
-}
-
-void Hdf5File::set_attribute(std::string_view name, std::string_view text) {
-  const Hdf5Lock lock;
-  if (text.size() > kLongestAttribute) {
-    write(name, {text.size()}, reinterpret_cast<const std::uint8_t*>(text.data()));
-    return;
-  }
-  const std::string owned(text);
-  const Hdf5Id type = text_type(owned.size());
-  const Hdf5Id id = handle_->new_attribute(name, type, Hdf5Id(H5Screate(H5S_SCALAR), H5Sclose));
-  if (H5Awrite(id, type, owned.c_str()) < 0)
-    fail("{}: cannot write the attribute '{}'", path().string(), name);
-}
-
-void Hdf5File::set_attribute(std::string_view name, double number) {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->new_attribute(name, H5T_NATIVE_DOUBLE, Hdf5Id(H5Screate(H5S_SCALAR), H5Sclose));
-  if (H5Awrite(id, H5T_NATIVE_DOUBLE, &number) < 0)
-    fail("{}: cannot write the attribute '{}'", path().string(), name);
-}
-
-void Hdf5File::set_attribute(std::string_view name, const std::vector<double>& numbers) {
-  const Hdf5Lock lock;
-  const Hdf5Id id = handle_->new_attribute(name, H5T_NATIVE_DOUBLE, simple_space({numbers.size()}));
-  if (H5Awrite(id, H5T_NATIVE_DOUBLE, numbers.data()) < 0) {
-    fail("{}: cannot write the attribute '{}'", path().string(), name);
-  }
+  return attributes;
 }
 
 }  // namespace knuckle

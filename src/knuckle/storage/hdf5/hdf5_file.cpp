@@ -1,65 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
+#include <map>
+#include <mutex>
+#include <utility>
+
 #include "knuckle/core/error.h"
-#include "knuckle/core/regular_file.h"
-#include "knuckle/storage/hdf5/hdf5_handle.h"
+#include "knuckle/storage/hdf5/hdf5_attributes.h"
+#include "knuckle/storage/hdf5/hdf5_dataset.h"
 
 namespace knuckle {
 
-Hdf5File::Hdf5File(std::unique_ptr<Handle> handle) : handle_(std::move(handle)) {}
+struct Hdf5File::Content {
+  Hdf5Bytes file;
+  Hdf5Links links;
+  Hdf5Attributes attributes;
+  std::mutex mutex;                                          ///< of `datasets`
+  std::map<std::string, Hdf5Dataset, std::less<>> datasets;  ///< that were asked for; what is in it stays
+
+  explicit Content(const std::filesystem::path& path) : file(path) {
+    const std::vector<Hdf5Message> root = read_object(file, file.root());
+    links = read_links(file, root);
+    attributes = read_attributes(file, root);
+  }
+
+  const Hdf5Dataset& dataset(std::string_view name) {
+    const std::lock_guard lock(mutex);
+    const auto known = datasets.find(name);
+    if (known != datasets.end()) return known->second;
+    const auto link = links.find(name);
+    if (link == links.end()) fail("{}: {}: the array is missing", file.path().string(), name);
+    if (!link->second)
+      fail("{}: {}: is a link; expected the array itself, in this file", file.path().string(), name);
+    Hdf5Dataset opened(file, std::string(name), *link->second);
+    return datasets.emplace(name, std::move(opened)).first->second;
+  }
+
+  const Hdf5Attribute& attribute(std::string_view name) const {
+    const auto found = attributes.find(name);
+    if (found == attributes.end()) fail("{}: the attribute '{}' is missing", file.path().string(), name);
+    return found->second;
+  }
+};
+
+Hdf5File::Hdf5File(std::unique_ptr<Content> content) : content_(std::move(content)) {}
 Hdf5File::Hdf5File(Hdf5File&&) noexcept = default;
 Hdf5File& Hdf5File::operator=(Hdf5File&&) noexcept = default;
 Hdf5File::~Hdf5File() = default;
 
-namespace {
-
-hid_t open_with(const std::filesystem::path& path, unsigned mode) {
-  if (!std::filesystem::exists(path)) fail("{}: the file is missing", path.string());
-  require_regular_file(path);
-  if (H5Fis_hdf5(path.c_str()) <= 0) fail("{}: no HDF5 file, or its beginning is damaged", path.string());
-  const hid_t file = H5Fopen(path.c_str(), mode, H5P_DEFAULT);
-  if (file < 0) fail("{}: the HDF5 file is cut short, damaged, or in use", path.string());
-  return file;
-}
-
-}  // namespace
-
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
-  const Hdf5Lock lock;
-  return Hdf5File(std::make_unique<Handle>(path, open_with(path, H5F_ACC_RDONLY)));
-}
-
-Hdf5File Hdf5File::open_for_writing(const std::filesystem::path& path) {
-  const Hdf5Lock lock;
-  return Hdf5File(std::make_unique<Handle>(path, open_with(path, H5F_ACC_RDWR)));
-}
-
-Hdf5File Hdf5File::create(const std::filesystem::path& path) {
-  const Hdf5Lock lock;
-  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (file < 0) fail("{}: cannot write the HDF5 file", path.string());
-  return Hdf5File(std::make_unique<Handle>(path, file));
+  if (!std::filesystem::exists(path)) fail("{}: the file is missing", path.string());
+  return Hdf5File(std::make_unique<Content>(path));
 }
 
 const std::filesystem::path& Hdf5File::path() const {
-  return handle_->path;
+  return content_->file.path();
 }
 
-void Hdf5File::flush() {
-  const Hdf5Lock lock;
-  if (H5Fflush(handle_->file, H5F_SCOPE_GLOBAL) < 0)
-    fail("{}: cannot be written; is the disk full?", path().string());
+bool Hdf5File::has(std::string_view dataset) const {
+  return content_->links.contains(dataset);
 }
 
-void Hdf5File::close() {
-  const Hdf5Lock lock;
-  if (handle_->file < 0) return;
-  flush();
-  handle_->kept.clear();
-  if (H5Fclose(std::exchange(handle_->file, H5I_INVALID_HID)) < 0) {
-    fail("{}: cannot be written; is the disk full?", path().string());
+std::vector<std::uint64_t> Hdf5File::shape(std::string_view dataset) const {
+  const Hdf5Dataset& found = content_->dataset(dataset);
+  (void)found.checked_count();
+  return found.shape();
+}
+
+template <class T>
+Hdf5Array<T> Hdf5File::read(std::string_view dataset) const {
+  const Hdf5Dataset& found = content_->dataset(dataset);
+  Hdf5Array<T> array;
+  array.shape = found.shape();
+  array.values.resize(found.checked_count());
+  if (array.shape.empty()) fail("{}: {}: expected an array, found a single number", path().string(), dataset);
+  if (!array.values.empty()) found.read_rows(0, array.shape[0], array.values.data());
+  return array;
+}
+
+template <class T>
+void Hdf5File::read_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count,
+                         T* values) const {
+  content_->dataset(dataset).read_rows(first, count, values);
+}
+
+bool Hdf5File::has_attribute(std::string_view name) const {
+  return content_->attributes.contains(name);
+}
+
+std::string Hdf5File::text_attribute(std::string_view name) const {
+  if (!has_attribute(name) && has(name)) {
+    const std::vector<std::uint8_t> bytes = read<std::uint8_t>(name).values;
+    return {bytes.begin(), bytes.end()};
   }
+  const Hdf5Attribute& attribute = content_->attribute(name);
+  if (attribute.type.kind == Hdf5Type::Kind::variable_text) {
+    fail(
+        "{}: the attribute '{}' is a text of variable length, as Knuckle 0.1 wrote it; expected one of fixed "
+        "length: write the file again, or change it with scripts/convert_h5_texts.py",
+        path().string(), name);
+  }
+  if (attribute.type.kind != Hdf5Type::Kind::text)
+    fail("{}: the attribute '{}' is not text", path().string(), name);
+  const std::uint64_t count = value_count(attribute.shape);
+  if (count != 1) fail("{}: the attribute '{}' has {} values, expected 1", path().string(), name, count);
+  const std::string text(attribute.values.begin(), attribute.values.end());
+  return text.substr(0, text.find('\0'));
+}
+
+double Hdf5File::number_attribute(std::string_view name) const {
+  const std::vector<double> numbers = numbers_attribute(name);
+  if (numbers.size() != 1)
+    fail("{}: the attribute '{}' holds {} numbers, expected 1", path().string(), name, numbers.size());
+  return numbers[0];
+}
+
+std::vector<double> Hdf5File::numbers_attribute(std::string_view name) const {
+  const Hdf5Attribute& attribute = content_->attribute(name);
+  if (attribute.type.kind != Hdf5Type::Kind::number)
+    fail("{}: the attribute '{}' is not a number", path().string(), name);
+  std::vector<double> numbers(attribute.values.size() / attribute.type.number.bytes);
+  convert_numbers(attribute.type.number, attribute.values, std::span(numbers));  // a double holds all of them
+  return numbers;
 }
 
 int Hdf5File::require_format(std::string_view format, int newest_version) const {
@@ -75,5 +137,20 @@ int Hdf5File::require_format(std::string_view format, int newest_version) const 
   }
   return static_cast<int>(version);
 }
+
+#define KNUCKLE_INSTANTIATE(T)                                     \
+  template Hdf5Array<T> Hdf5File::read<T>(std::string_view) const; \
+  template void Hdf5File::read_rows(std::string_view, std::uint64_t, std::uint64_t, T*) const;
+KNUCKLE_INSTANTIATE(float)
+KNUCKLE_INSTANTIATE(double)
+KNUCKLE_INSTANTIATE(std::int8_t)
+KNUCKLE_INSTANTIATE(std::uint8_t)
+KNUCKLE_INSTANTIATE(std::int16_t)
+KNUCKLE_INSTANTIATE(std::uint16_t)
+KNUCKLE_INSTANTIATE(std::int32_t)
+KNUCKLE_INSTANTIATE(std::uint32_t)
+KNUCKLE_INSTANTIATE(std::int64_t)
+KNUCKLE_INSTANTIATE(std::uint64_t)
+#undef KNUCKLE_INSTANTIATE
 
 }  // namespace knuckle

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,18 +17,19 @@ struct Hdf5Array {
   std::vector<T> values;
 };
 
-/// A thin owner of an HDF5 file: named arrays and attributes, with Knuckle's errors. T is one of float,
-/// double, std::int8_t, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::int64_t,
-/// std::uint64_t. Reading converts from the file's type. HDF5 itself is not made for threads: all calls of
-/// all files take turns; chunks are inflated outside of them. Links, external storage, virtual arrays, other
-/// filters than shuffle and deflate, and texts of variable length are refused: they lead out of the file, run
-/// foreign code, or crash the library where the file is damaged.
+/// An HDF5 file that is read: named arrays of numbers in its root, and the root's attributes. T is one of
+/// float, double, std::int8_t, std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+/// std::int64_t, std::uint64_t. Reading converts from the file's type and throws where T cannot hold a value.
+///
+/// This is a reader of our own, because libhdf5 crashes on damaged files. It reads what the library writes by
+/// default and in its format of 1.8: superblocks of version 0 to 3, arrays in one piece, in the header, or in
+/// chunks that shuffle and deflate made. What leads out of the file (links, external storage, virtual
+/// arrays), other filters, texts of variable length and the newer layouts are refused by name. Safe to be
+/// used by many threads at once.
 class Hdf5File {
  public:
   /// Throws an Error that names the file where it is missing, cut short, or no HDF5.
   static Hdf5File open(const std::filesystem::path& path);
-  static Hdf5File open_for_writing(const std::filesystem::path& path);  ///< an existing file, to add to it
-  static Hdf5File create(const std::filesystem::path& path);            ///< replaces a file of that name
 
   Hdf5File(Hdf5File&&) noexcept;
   Hdf5File& operator=(Hdf5File&&) noexcept;
@@ -47,47 +47,21 @@ class Hdf5File {
   template <class T>
   void read_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count, T* values) const;
 
-  /// How an array is stored: in one piece, or in chunks of `rows_per_chunk` rows, compressed.
-  struct Storage {
-    std::uint64_t rows_per_chunk = 0;  ///< 0: in one piece, not compressed
-    int deflate_level = 0;             ///< 0 (none) to 9, with shuffle
-  };
-  template <class T>
-  void write(std::string_view dataset, const std::vector<std::uint64_t>& shape, const T* values,
-             const Storage& storage = {0, 0});
-  /// Makes an array whose values are written later; unwritten ones are 0.
-  template <class T>
-  void create_dataset(std::string_view dataset, const std::vector<std::uint64_t>& shape,
-                      const Storage& storage);
-  template <class T>
-  void write_rows(std::string_view dataset, std::uint64_t first, std::uint64_t count, const T* values);
-
-  /// Puts a row of an array of one row a chunk into the file as it is stored there: shuffled and deflated
-  /// (storage/deflate.h) where the array is. The work of many threads then takes turns only for the writing.
-  void write_chunk(std::string_view dataset, std::uint64_t row, std::span<const std::uint8_t> stored);
-
   /// Attributes of the root.
   bool has_attribute(std::string_view name) const;
+  /// A text of fixed length; one that is too long for an attribute is an array of bytes of that name.
   std::string text_attribute(std::string_view name) const;
   double number_attribute(std::string_view name) const;
   std::vector<double> numbers_attribute(std::string_view name) const;
-  void set_attribute(std::string_view name, std::string_view text);
-  void set_attribute(std::string_view name, double number);
-  void set_attribute(std::string_view name, const std::vector<double>& numbers);
-
-  /// Hands all that was written to the operating system.
-  void flush();
-  /// Closes the file; unlike the destructor it throws where that fails (a full disk).
-  void close();
 
   /// Throws unless the attributes `format` and `version` say `format` and a version in [1, newest_version];
   /// returns the version.
   int require_format(std::string_view format, int newest_version) const;
 
  private:
-  struct Handle;
-  explicit Hdf5File(std::unique_ptr<Handle> handle);
-  std::unique_ptr<Handle> handle_;
+  struct Content;
+  explicit Hdf5File(std::unique_ptr<Content> content);
+  std::unique_ptr<Content> content_;
 };
 
 }  // namespace knuckle

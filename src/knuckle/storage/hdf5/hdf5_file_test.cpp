@@ -8,6 +8,7 @@
 #include "knuckle/core/text_file.h"
 #include "knuckle/storage/deflate.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 
 namespace knuckle {
 namespace {
@@ -19,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 void write_example(const std::filesystem::path& path) {
-  Hdf5File file = Hdf5File::create(path);
+  Hdf5Writer file = Hdf5Writer::create(path);
   std::vector<float> values(60);
   std::iota(values.begin(), values.end(), 0.5f);
   file.write<float>("values", {5, 4, 3}, values.data(), {1, 4});
@@ -56,7 +57,7 @@ TEST_F(Hdf5FileTest, RowsAreThoseOfTheWholeArray) {
 
 TEST_F(Hdf5FileTest, RowsWrittenLaterLeaveTheOthersZero) {
   {
-    Hdf5File file = Hdf5File::open_for_writing(path);
+    Hdf5Writer file = Hdf5Writer::open(path);
     file.create_dataset<std::uint16_t>("later", {4, 2}, {1, 1});
     const std::uint16_t row[] = {7, 8};
     file.write_rows("later", 2, 1, row);
@@ -94,7 +95,7 @@ TEST_F(Hdf5FileTest, AnotherFormatOrVersionIsRefused) {
   EXPECT_THAT(error_of([&] { Hdf5File::open(path).require_format("knuckle-body", 1); }),
               HasSubstr("expected a knuckle-body file, found a knuckle-example file"));
   {
-    Hdf5File file = Hdf5File::open_for_writing(path);
+    Hdf5Writer file = Hdf5Writer::open(path);
     file.set_attribute("version", 2);
   }
   EXPECT_THAT(error_of([&] { Hdf5File::open(path).require_format("knuckle-example", 1); }),
@@ -129,10 +130,10 @@ void declare_huge_array(const std::filesystem::path& path) {
 }
 
 TEST_F(Hdf5FileTest, AnArrayLargerThanTheFileCanHoldIsRefusedBeforeMemoryIsTaken) {
-  for (const Hdf5File::Storage& storage : {Hdf5File::Storage{0, 0}, Hdf5File::Storage{1, 1}}) {
+  for (const Hdf5Writer::Storage& storage : {Hdf5Writer::Storage{0, 0}, Hdf5Writer::Storage{1, 1}}) {
     const std::filesystem::path huge = folder / "huge.h5";
     {
-      Hdf5File file = Hdf5File::create(huge);
+      Hdf5Writer file = Hdf5Writer::create(huge);
       file.write<float>("values", {16, 4}, std::vector<float>(64, 1.5f).data(), storage);
       file.close();
     }
@@ -148,7 +149,7 @@ TEST_F(Hdf5FileTest, AnArrayLargerThanTheFileCanHoldIsRefusedBeforeMemoryIsTaken
 TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
   const std::vector<std::uint16_t> row{7, 7, 7, 7, 300, 0, 65535, 7};
   {
-    Hdf5File file = Hdf5File::open_for_writing(path);
+    Hdf5Writer file = Hdf5Writer::open(path);
     file.create_dataset<std::uint16_t>("rows", {3, 8}, {1, 1});
     file.write_chunk("rows", 1, deflated(shuffled(row)));
     file.close();
@@ -159,7 +160,7 @@ TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
 }
 
 TEST_F(Hdf5FileTest, AnUnwritablePlaceIsNamed) {
-  EXPECT_THAT(error_of([] { Hdf5File::create("/proc/knuckle.h5"); }),
+  EXPECT_THAT(error_of([] { Hdf5Writer::create("/proc/knuckle.h5"); }),
               HasSubstr("/proc/knuckle.h5: cannot write"));
 }
 

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files whose bytes were changed. Under the sanitizers each of these tests sees far more.
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
+
+namespace knuckle {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+
+class DamagedHdf5 : public ::testing::Test {
+ protected:
+  DamagedHdf5() {
+    Hdf5Writer file = Hdf5Writer::create(path_);
+    std::vector<float> values(200);
+    std::iota(values.begin(), values.end(), 0.5F);
+    file.write<float>("depth", {20, 5, 2}, values.data(), {1, 4});
+    file.write<float>("whole", {20, 5, 2}, values.data());
+    file.set_attribute("format", "knuckle-example");
+    file.set_attribute("numbers", std::vector<double>{1.0, 2.5});
+    file.close();
+    bytes_ = read_text_file(path_);
+  }
+
+  /// Reads all that the file has. Whatever its bytes are, this ends, with all or with an Error of one line.
+  std::string fault_of(const std::string& bytes) {
+    write_text_file(path_, bytes);
+    return fault_of_file();
+  }
+  std::string fault_of_file() const {
+    try {
+      const Hdf5File file = Hdf5File::open(path_);
+      for (const char* name : {"depth", "whole"}) {
+        if (file.has(name)) (void)file.read<float>(name);
+      }
+      if (file.has_attribute("format")) (void)file.text_attribute("format");
+      if (file.has_attribute("numbers")) (void)file.numbers_attribute("numbers");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::size_t place_of(std::string_view text, std::size_t from = 0) const {
+    const std::size_t place = bytes_.find(text, from);
+    EXPECT_NE(place, std::string::npos) << text;
+    return place;
+  }
+  static void put(std::string& bytes, std::size_t place, std::uint64_t number, std::size_t size) {
+    std::memcpy(bytes.data() + place, &number, size);
+  }
+
+  testing::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "damaged.h5";
+  std::string bytes_;
+};
+
+TEST_F(DamagedHdf5, EndsWithAllOrWithAnErrorThatNamesTheFile) {
+  ASSERT_EQ(fault_of(bytes_), "");
+  Random random(1, 0);
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::string bytes = bytes_;
+    const std::uint32_t changes = 1 + random.below(3);
+    for (std::uint32_t k = 0; k < changes; ++k) {
+      constexpr std::array<std::uint8_t, 5> kLikely{0, 1, 0x7f, 0x80, 0xff};
+      const std::uint32_t kind = random.below(6);
+      bytes[random.below(static_cast<std::uint32_t>(bytes.size()))] =
+          static_cast<char>(kind < 5 ? kLikely[kind] : random.below(256));
+    }
+    std::ofstream(path_, std::ios::binary) << bytes;
+    const std::string fault = fault_of_file();
+    if (fault.empty()) continue;
+    ++refused;
+    ASSERT_THAT(fault, HasSubstr("damaged.h5"));
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST_F(DamagedHdf5, CutAtAnyPlaceIsRefused) {
+  for (std::size_t size = 0; size < bytes_.size(); size += 13) {
+    ASSERT_THAT(fault_of(bytes_.substr(0, size)), HasSubstr("damaged.h5")) << size;
+  }
+}
+
+TEST_F(DamagedHdf5, ATreeThatLeadsBackToItselfEnds) {
+  // The only node of the chunks' tree becomes its own child, first of its own level, then of the next.
+  std::size_t tree = place_of("TREE");
+  while (bytes_[tree + 4] != 1) tree = place_of("TREE", tree + 1);
+  constexpr std::size_t kFirstChild = 24 + 8 + 8 * 4;
+  std::string bytes = bytes_;
+  put(bytes, tree + 5, 1, 1);
+  put(bytes, tree + kFirstChild, tree, 8);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("a tree's node is of another level"));
+}
+
+TEST_F(DamagedHdf5, NodesThatAreVisitedAgainAndAgainEnd) {
+  // 200 levels, each of whose nodes leads twice to the one below, to an empty one in the end: 2^200 visits.
+  std::size_t tree = place_of("TREE");
+  while (bytes_[tree + 4] != 1) tree = place_of("TREE", tree + 1);
+  constexpr std::size_t kKey = 8 + 8 * 4;
+  constexpr std::size_t kNode = 24 + 3 * kKey + 16;
+  std::string bytes = bytes_;
+  const std::size_t first = bytes.size();
+  for (std::uint64_t level = 201; level-- > 0;) {
+    std::string node(kNode, '\0');
+    std::memcpy(node.data(), "TREE", 4);
+    put(node, 4, 1, 1);
+    put(node, 5, level, 1);
+    put(node, 6, level > 0 ? 2 : 0, 2);
+    const std::uint64_t below = bytes.size() + kNode;
+    put(node, 24 + kKey, below, 8);
+    put(node, 24 + 2 * kKey + 8, below, 8);
+    bytes += node;
+  }
+  // The layout message holds the tree's address.
+  std::string address(8, '\0');
+  put(address, 0, tree, 8);
+  const std::size_t layout = place_of(address);
+  put(bytes, layout, first, 8);
+  put(bytes, 40, bytes.size(), 8);  // the file's end
+  EXPECT_THAT(fault_of(bytes), HasSubstr("a tree has more nodes than the file can hold"));
+}
+
+TEST_F(DamagedHdf5, AHeaderThatContinuesInItselfEnds) {
+  // The root's header is changed into a message that continues at the header's own messages.
+  const std::string continuation("\x10\0\x10\0\0\0\0\0", 8);
+  std::uint64_t root = 0;
+  std::memcpy(&root, bytes_.data() + 64, 8);
+  std::string bytes = bytes_;
+  bytes.replace(root + 16, 8, continuation);
+  put(bytes, root + 24, root + 16, 8);
+  put(bytes, root + 32, 24, 8);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("an object's header has more than 16777216 bytes"));
+}
+
+TEST_F(DamagedHdf5, AFileThatShrinksWhileItIsReadIsRefused) {
+  const Hdf5File file = Hdf5File::open(path_);
+  ASSERT_EQ(file.shape("whole")[0], 20U);
+  std::filesystem::resize_file(path_, 900);
+  EXPECT_THAT(error_of([&] { file.read<float>("whole"); }), HasSubstr("was changed while it was read"));
+}
+
+}  // namespace
+}  // namespace knuckle
