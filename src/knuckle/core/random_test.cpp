@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/random.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -85,6 +86,41 @@ TEST(RandomTest, NormalHasZeroMeanUnitDeviationAndNoSkew) {
   EXPECT_NEAR(moments[1], 1.0, 0.02);
   EXPECT_NEAR(moments[2], 0.0, 0.05);
   EXPECT_NEAR(moments[3], 3.0, 0.15);
+}
+
+TEST(RandomTest, UniformReachesFromEndToEnd) {
+  Random random(5);
+  constexpr int kCount = 100000;
+  double sum = 0.0;
+  double least = 10.0;
+  double most = -10.0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random.uniform(-3.0, 7.0);
+    sum += x;
+    least = std::min(least, x);
+    most = std::max(most, x);
+  }
+  EXPECT_NEAR(sum / kCount, 2.0, 0.05);
+  EXPECT_NEAR(least, -3.0, 0.01);
+  EXPECT_GE(least, -3.0);
+  EXPECT_NEAR(most, 7.0, 0.01);
+  EXPECT_LT(most, 7.0);
+}
+
+TEST(RandomTest, NeighbouringNormalsHaveNothingToDoWithOneAnother) {
+  Random random(6);
+  constexpr int kCount = 100000;
+  double products[2] = {};
+  double fourth_moments[2] = {};
+  double last = random.normal();
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random.normal();
+    products[i % 2] += x * last / (kCount / 2);
+    fourth_moments[i % 2] += x * x * last * last / (kCount / 2);
+    last = x;
+  }
+  for (const double product : products) EXPECT_NEAR(product, 0.0, 0.02);
+  for (const double moment : fourth_moments) EXPECT_NEAR(moment, 1.0, 0.05);
 }
 
 TEST(RandomTest, BelowReachesEveryNumberEquallyOften) {

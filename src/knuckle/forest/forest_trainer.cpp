@@ -9,6 +9,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/forest/most_that_fit.h"
 #include "knuckle/forest/pixel_pairs.h"
 #include "knuckle/forest/scoring_targets.h"
 #include "knuckle/forest/split_score.h"
@@ -93,13 +94,13 @@ void check_training_memory(std::int64_t samples, int features, int targets,
                            const RegressionForestOptions& options) {
   const double needed = training_memory(samples, features, targets, options) / kGigabyte;
   if (needed <= options.memory_gb) return;
-  const double least = training_memory(0, features, targets, options) / kGigabyte;
-  const double each = (needed - least) / static_cast<double>(samples);
+  const auto fits = [&](std::int64_t count) {
+    return training_memory(count, features, targets, options) <= options.memory_gb * kGigabyte;
+  };
   fail(
-      "forest training: {} samples of {} features take {:.3g} GB, memory_gb is {:.3g}; about {:.0f} samples "
+      "forest training: {} samples of {} features take {:.3g} GB, memory_gb is {:.3g}; at most {} samples "
       "would fit",
-      samples, features, needed, options.memory_gb,
-      std::max(0.0, std::floor((options.memory_gb - least) / each)));
+      samples, features, needed, options.memory_gb, most_that_fit(samples, fits));
 }
 
 RegressionForest train_regression_forest(const TrainingSamples& samples,

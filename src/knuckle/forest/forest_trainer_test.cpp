@@ -161,6 +161,10 @@ TEST(TrainRegressionForest, RefusesTooSmallAMemory) {
   const std::string fault = error_of([&] { check_training_memory(400000, kPixels, 66, options); });
   EXPECT_THAT(fault,
               AllOf(HasSubstr("400000 samples"), HasSubstr("memory_gb is 1;"), HasSubstr("would fit")));
+  const std::string told = "at most ";
+  const std::int64_t fitting = std::stoll(fault.substr(fault.find(told) + told.size()));
+  EXPECT_LE(training_memory(fitting, kPixels, 66, options), 1e9);
+  EXPECT_GT(training_memory(fitting + 1, kPixels, 66, options), 1e9);
   options.memory_gb = 1e-6;
   const TrainingSamples samples = RandomRows(300, 25, 3).samples();
   EXPECT_THAT(error_of([&] { train_regression_forest(samples, options); }), HasSubstr("memory_gb"));

@@ -13,6 +13,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/forest/class_statistics.h"
+#include "knuckle/forest/most_that_fit.h"
 #include "knuckle/forest/offset_features.h"
 
 namespace knuckle {
@@ -78,16 +79,18 @@ double training_memory(std::int64_t samples, const PixelForestOptions& options) 
 
 void check_training_memory(double image_bytes, std::int64_t images, std::int64_t samples,
                            const PixelForestOptions& options) {
-  const double least = training_memory(0, options);
   const double needed = image_bytes + training_memory(samples, options);
   const double allowed = options.memory_gb * kGigabyte;
   if (needed <= allowed) return;
-  const double each = (needed - least) / static_cast<double>(std::max<std::int64_t>(images, 1));
+  const auto fits = [&](std::int64_t count) {
+    const double share = static_cast<double>(count) / static_cast<double>(images);
+    const auto drawn = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(samples)));
+    return share * image_bytes + training_memory(drawn, options) <= allowed;
+  };
   fail(
-      "forest training: {} images with {} samples take {:.3g} GB, memory_gb is {:.3g}; about {:.0f} images "
+      "forest training: {} images with {} samples take {:.3g} GB, memory_gb is {:.3g}; at most {} images "
       "would fit",
-      images, samples, needed / kGigabyte, options.memory_gb,
-      std::max(0.0, std::floor((allowed - least) / each)));
+      images, samples, needed / kGigabyte, options.memory_gb, most_that_fit(images, fits));
 }
 
 PixelForest train_pixel_forest(const PixelSamples& samples, const PixelForestOptions& options,

@@ -198,7 +198,15 @@ TEST(TrainPixelForest, RefusesBadOptionsAndTooSmallAMemory) {
   options.memory_gb = 1e-4;
   EXPECT_THAT(error_of([&] { (void)train_pixel_forest(samples, options); }),
               AllOf(HasSubstr("5 images with 400 samples"), HasSubstr("memory_gb is 0.0001;"),
-                    HasSubstr("would fit")));
+                    HasSubstr("at most 0 images would fit")));
+  // 1,000 images of 1 MB with 2,000 samples each, more than two thirds of which fit into 1 GB.
+  options.memory_gb = 1.0;
+  const std::string fault = error_of([&] { check_training_memory(1e9, 1000, 2000000, options); });
+  const std::string told = "at most ";
+  const std::int64_t fitting = std::stoll(fault.substr(fault.find(told) + told.size()));
+  EXPECT_NO_THROW(check_training_memory(1e6 * double(fitting), fitting, 2000 * fitting, options));
+  EXPECT_THROW(check_training_memory(1e6 * double(fitting + 1), fitting + 1, 2000 * (fitting + 1), options),
+               Error);
 }
 
 }  // namespace

@@ -48,6 +48,10 @@ TEST(HandAnglesTest, LimitsAreThoseThatAreGiven) {
   angles = {};
   angles[HandAngle::ring_pip] = 0.3;
   EXPECT_DOUBLE_EQ(clamped(angles, narrow_limits())[HandAngle::ring_dip], coupled_dip(0.3) - 0.05);
+  HandLimits wide = narrow_limits();
+  wide.ranges[static_cast<int>(HandAngle::ring_dip)].high = 1.5;
+  angles[HandAngle::ring_dip] = 1.0;
+  EXPECT_DOUBLE_EQ(clamped(angles, wide)[HandAngle::ring_dip], coupled_dip(0.3) + 0.05);
 }
 
 TEST(HandAnglesTest, WhatIsNotANumberIsNotWithin) {

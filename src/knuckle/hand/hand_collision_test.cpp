@@ -34,6 +34,25 @@ TEST(HandCollision, CrossedFingersTouch) {
   EXPECT_GT(worst_penetration_mm(points), 10.0);
 }
 
+TEST(HandCollision, AThumbMayLieAtThePalmButNotInIt) {
+  auto points = open_hand();
+  const auto thumb = [&](Landmark landmark) -> Point3& { return points[static_cast<std::size_t>(landmark)]; };
+  // Its middle phalanx crosses the palm, its last one ends behind it; where the thumb begins is part of the
+  // palm.
+  thumb(Landmark::thumb_cmc) = {25, 10, 30};
+  thumb(Landmark::thumb_mcp) = {60, 40, 20};
+  thumb(Landmark::thumb_ip) = {-15, 60, 0};
+  thumb(Landmark::thumb_tip) = {-60, 60, 40};
+  const double both = worst_penetration_mm(points);
+  EXPECT_GT(both, 10.0);
+  thumb(Landmark::thumb_ip) = {60, 60, 40};
+  thumb(Landmark::thumb_tip) = {60, 80, 50};
+  EXPECT_EQ(worst_penetration_mm(points), 0.0);
+  thumb(Landmark::thumb_cmc) = {5, 30, 0};
+  thumb(Landmark::thumb_mcp) = {60, 40, 30};
+  EXPECT_EQ(worst_penetration_mm(points), 0.0);
+}
+
 TEST(HandCollision, TheDepthIsThatOfTwoCapsules) {
   auto points = open_hand();
   const auto tip = static_cast<std::size_t>(Landmark::index_tip);

@@ -82,6 +82,26 @@ TEST(BoneAxesTest, AreNothingWhereTheHandIsNotKnownOrFlatAsALine) {
   EXPECT_FALSE(bone_axes(point, HandSide::right, Landmark::wrist));
 }
 
+std::vector<Landmark> bones_of(const char* convention) {
+  std::vector<Landmark> bones;
+  for (const DefinedLandmark& landmark :
+       LandmarkDefinition::plain(convention_from_name(convention)).landmarks)
+    bones.push_back(landmark.bone);
+  return bones;
+}
+
+TEST(LandmarkDefinitionTest, SetsWithLandmarksOfTheirOwnHaveThemOnTheNearestBones) {
+  using enum Landmark;
+  EXPECT_EQ(bones_of("icvl16"), (std::vector{palm, thumb_cmc, thumb_mcp, thumb_ip, index_mcp, index_pip,
+                                             index_dip, middle_mcp, middle_pip, middle_dip, ring_mcp,
+                                             ring_pip, ring_dip, little_mcp, little_pip, little_dip}));
+  EXPECT_EQ(bones_of("nyu14"),
+            (std::vector{little_tip, little_mcp, ring_tip, ring_mcp, middle_tip, middle_mcp, index_tip,
+                         index_mcp, thumb_tip, thumb_ip, thumb_mcp, wrist, wrist, palm}));
+  const auto superset = superset_convention().landmarks;
+  EXPECT_EQ(bones_of("knuckle22"), std::vector<Landmark>(superset.begin(), superset.end()));
+}
+
 TEST(LandmarkDefinitionTest, FollowsMotionSizeAndMirrors) {
   Random random(3);
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();

@@ -175,6 +175,19 @@ TEST(SkeletonFit, ThreeTargetsAreNeededAndOptionsChecked) {
   EXPECT_THAT(fault({}), ::testing::HasSubstr("weight is -1"));
 }
 
+TEST(SkeletonFit, BeginsWithTheProportionsThatAreKnown) {
+  SkeletonFitOptions options = kExact;
+  options.size = 1.1;
+  options.size_spread = options.length_spread = 0.0;
+  for (auto& digit : options.lengths) digit = {1.3, 0.8, 1.2};
+  Random random(9);
+  const SkeletonPose truth{resting_hand(), random_pose(random), options.size, options.lengths};
+  const LandmarkTargets targets = targets_at(landmarks(adult_skeleton(), truth));
+  // The resting hand is among the first guesses: laid on its own landmarks it needs no step.
+  options.most_steps = 1;
+  EXPECT_LT(fit_skeleton(adult_skeleton(), targets, options)->rms_mm, 0.01);
+}
+
 TEST(SkeletonFit, WithoutASpreadTheSizeStays) {
   Random random(8);
   const Points points = landmarks(adult_skeleton(), some_pose(random, 1.3));

@@ -101,6 +101,9 @@ TEST(SoftArgMax, FindsAKnownGaussian) {
     EXPECT_NEAR(soft_arg_max(bins), centre, 0.05) << centre;
   }
   EXPECT_EQ(soft_arg_max(std::vector<float>{1.0f, 0.5f, 0.0f}), 0.0) << "the border has one side only";
+  EXPECT_EQ(soft_arg_max(std::vector<float>{0.0f, 0.5f, 1.0f}), 2.0) << "and so has the other one";
+  EXPECT_NEAR(soft_arg_max(std::vector<float>{9.0f, 0.0f, 0.0f, 0.2f, 10.0f, 0.1f}),
+              (0.6 + 40.0 + 0.5) / 10.3, 1e-6);
   EXPECT_EQ(soft_arg_max(std::vector<float>{-2.0f, -1.0f, -3.0f}), 1.0);
 }
 

@@ -138,5 +138,26 @@ TEST(VoteAggregation, FindsTheJointsThatTrueVotesPointAt) {
   }
 }
 
+TEST(VoteAggregation, TheMapOfSidesIsALogitOfRightHands) {
+  const Image<float> patch = half_empty_patch();
+  FeatureMap maps({kCells, kCells, 5 * kJoints + 1});
+  EXPECT_FALSE(aggregate_votes(random_votes(), patch, kJoints, kKernel).right_hand);
+  double sum = 0.0;
+  int voters = 0;
+  Random random(3);
+  for (int row = 0; row < kCells; ++row) {
+    for (int column = 0; column < kCells; ++column) {
+      float& logit = maps.pixel(row, column)[5 * kJoints];
+      logit = static_cast<float>(1.0 + random.normal());
+      if (nearest(patch, row, column) >= kCubeBackground) continue;
+      sum += logit;
+      ++voters;
+    }
+  }
+  ASSERT_GT(sum / voters, 0.2);
+  const double expected = 1.0 / (1.0 + std::exp(-sum / voters));
+  EXPECT_NEAR(aggregate_votes(maps, patch, kJoints, kKernel).right_hand.value(), expected, 1e-6);
+}
+
 }  // namespace
 }  // namespace knuckle

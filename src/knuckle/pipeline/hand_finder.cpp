@@ -53,7 +53,7 @@ HandFinder::HandFinder(const OptionTable& document, const HandOptions& defaults)
 HandFinder HandFinder::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   HandFinder finder(document);
-  for (const std::string_view other : {"patch", "estimator", "refine"}) document.leave(other);
+  for (const std::string_view other : {"patch", "estimator", "refine", "tracker"}) document.leave(other);
   document.finish();
   finder.resolved_options_ = document.resolved_toml();
   return finder;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/pipeline/hand_finder.h"
 
+#include <fstream>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/segment/hand_region.h"
@@ -43,6 +45,17 @@ class KeepingSegmenter final : public Segmenter {
  private:
   Seen& seen_;
 };
+
+TEST(HandFinder, OfAPipelineFileOnlyItsOwnTablesCount) {
+  const testing::TemporaryFolder folder;
+  const std::string others = "[patch]\na = 1\n[estimator]\nb = 1\n[tracker]\nc = 1\n[[refine]]\nd = 1\n";
+  std::ofstream(folder / "whole.toml") << "[hand]\nmax_hands = 5\n[segmentation]\nmethod = \"mean_shift\"\n"
+                                       << others;
+  EXPECT_EQ(HandFinder::load(folder / "whole.toml").hand().max_hands, 5);
+  std::ofstream(folder / "odd.toml") << "[segmentatio]\nmethod = \"mean_shift\"\n" << others;
+  EXPECT_THAT(testing::error_of([&] { HandFinder::load(folder / "odd.toml"); }),
+              ::testing::HasSubstr("segmentatio"));
+}
 
 TEST(HandFinder, ALeftHandIsSoughtInTheMirrorAndFoundInTheFrame) {
   KeepingSegmenter::Seen seen;

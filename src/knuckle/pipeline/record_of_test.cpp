@@ -50,6 +50,20 @@ TEST(RecordOf, HoldsWhatWasFoundInTheOrderOfTheHands) {
   EXPECT_TRUE(record.hands[0].skeleton.empty() && record.hands[0].angles_rad.empty());
 }
 
+TEST(RecordOf, HoldsWhatAFittedSkeletonSays) {
+  HandEstimate fitted = hand(51.0, 0.5, HandSide::left);
+  fitted.id = 9;
+  fitted.skeleton = "adult";
+  HandAngles angles;
+  angles[HandAngle::index_pip] = 0.7;
+  fitted.angles = angles;
+  const HandRecord record = record_of(result_with({fitted}), PixelOrigin::centre).hands.at(0);
+  EXPECT_EQ(record.id, 9);
+  EXPECT_EQ(record.skeleton, fitted.skeleton);
+  ASSERT_EQ(record.angles_rad.size(), std::size_t{kHandAngleCount});
+  for (const auto& [name, radians] : record.angles_rad) EXPECT_EQ(radians, name == "index_pip" ? 0.7 : 0.0);
+}
+
 TEST(RecordOf, PixelsAreInTheSourcesOriginAndMissingJointsStayMissing) {
   const FrameResult result = result_with({hand(51.0, 1.0, HandSide::right)});
   const HandRecord centre = record_of(result, PixelOrigin::centre).hands.at(0);

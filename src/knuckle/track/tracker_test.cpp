@@ -258,10 +258,11 @@ TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
   EXPECT_EQ(tracker.update(frame_at(10.03)).at(0).id, 2) << "stands still";
   EXPECT_EQ(tracker.update(frame_at(9.0)).at(0).id, 3) << "goes back";
   EXPECT_EQ(tracker.update(frame_at(9.03)).at(0).id, 3);
-  EXPECT_EQ(tracker.update(frame_at(3609.0)).at(0).id, 4) << "leaps";
+  EXPECT_EQ(tracker.update(frame_at(10.03)).at(0).id, 4) << "leaps";
+  EXPECT_EQ(tracker.update(frame_at(3609.0)).at(0).id, 5);
   Frame other = frame_at(3609.03);
   other.sequence = 1;
-  EXPECT_EQ(tracker.update(other).at(0).id, 5) << "another sequence";
+  EXPECT_EQ(tracker.update(other).at(0).id, 6) << "another sequence";
   EXPECT_THAT(error_of([&] { tracker.update(frame_at(std::nan(""))); }), HasSubstr("not finite"));
   tracker.reset();
   EXPECT_EQ(tracker.update(frame_at(1.0)).at(0).id, 1);
@@ -269,6 +270,39 @@ TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
   timeless.time_s.reset();
   tracker.reset();
   for (int i = 0; i < 5; ++i) EXPECT_EQ(tracker.update(timeless).at(0).id, 1);
+}
+
+TEST_F(TrackerTest, AHandThatTurnsOutToBeTheOtherOneBeginsAfresh) {
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {});
+  world_.hands = {{{100, 0, kDepthMm}, HandSide::left}};
+  EXPECT_EQ(tracker.update(frame_at(0.0)).at(0).side, HandSide::left);
+  world_.hands[0].side = HandSide::right;
+  int seen = 0;
+  for (int i = 1; i < 10; ++i) {
+    for (const TrackedHand& hand : tracker.update(frame_at(i / 30.0))) {
+      EXPECT_EQ(hand.side, HandSide::right);
+      EXPECT_LT((middle_of(hand) - world_.hands[0].middle).norm(), 3.0)
+          << "nothing of the mirrored hand is left";
+      ++seen;
+    }
+  }
+  EXPECT_GE(seen, 7);
+}
+
+TEST_F(TrackerTest, OfTwoTracksOfOneHandTheOlderOneStays) {
+  const Pipeline three = pipeline(3);
+  Tracker tracker(three, {});
+  world_.hands = {{{-150, 0, kDepthMm}}, {{0, 0, kDepthMm}}, {{150, 0, kDepthMm}}};
+  std::vector<TrackedHand> hands;
+  for (int i = 0; i < 20; ++i) {
+    world_.hands[2].middle.x() = 150.0 - 7.0 * i;  // ends 17 mm beside the second
+    hands = tracker.update(frame_at(i / 30.0));
+    ASSERT_EQ(hands.at(0).id, 1) << i;
+    ASSERT_EQ(hands.at(1).id, 2) << i;
+    ASSERT_EQ(hands.size(), (world_.hands[2].middle - world_.hands[1].middle).norm() < 40.0 ? 2u : 3u) << i;
+  }
+  EXPECT_EQ(hands.size(), 2u);
 }
 
 TEST_F(TrackerTest, AnswersTheSameForTheSameFrames) {

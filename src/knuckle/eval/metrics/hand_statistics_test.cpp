@@ -73,6 +73,10 @@ TEST(HandStatistics, FlyingPixelsAreCountedAmongThoseAtEdges) {
   for (int row = kBox.y; row < kBox.bottom(); row += 4) scene.depth_mm(40, row) = 600.0f;
   // At each row four pixels are beside an edge, and every fourth row has a flying one.
   EXPECT_NEAR(scene.statistics().flying_share, 1.0 / 16.0, 0.02);
+  // What is nearer, or farther, than both sides hangs nowhere between them.
+  for (int row = kBox.y; row < kBox.bottom(); row += 4)
+    scene.depth_mm(40, row) = row % 8 < 4 ? 450.0f : 750.0f;
+  EXPECT_EQ(scene.statistics().flying_share, 0.0);
 }
 
 TEST(HandStatistics, HolesLowerTheValidShareAndMeansLeaveOutTheUnknown) {

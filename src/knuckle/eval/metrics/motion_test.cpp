@@ -121,6 +121,14 @@ TEST(MotionScore, JitterIsTheDeviationOnAStillHand) {
   EXPECT_TRUE(std::isnan(brief.jitter_mm)) << "too few still frames";
 }
 
+TEST(MotionScore, AHandThatMovesSlowlyDoesNotStandStill) {
+  const auto moving = [](double mm_per_frame) {
+    return [=](int frame, int joint) { return Point3(at_rest(joint) + Point3(mm_per_frame * frame, 0, 0)); };
+  };
+  EXPECT_TRUE(std::isnan(score_of(60, moving(0.06), moving(0.06)).jitter_mm));
+  EXPECT_FALSE(std::isnan(score_of(60, moving(0.04), moving(0.04)).jitter_mm));
+}
+
 TEST(MotionScore, BonesThatChangeTheirLengthAreTold) {
   const Place truth = [](int, int joint) { return at_rest(joint); };
   const Place breathing = [](int frame, int joint) {

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/eval/metrics/score_files.h"
 
 namespace knuckle {
 namespace {
@@ -88,6 +91,23 @@ TEST(SegmentationScore, RefusesWhatCannotBeScored) {
   EXPECT_THAT(error_of([&] { score_boxes("m", std::vector<Box>(2), truth); }),
               AllOf(HasSubstr("2 boxes"), HasSubstr("1 frames")));
   EXPECT_THAT(error_of([&] { score_boxes("m", std::vector<Box>(1), truth); }), HasSubstr("no frame"));
+}
+
+TEST(ScoreFiles, HoldTheCurveOfOverlapsAtItsOwnThresholds) {
+  std::vector<double> overlaps;  // of 80 frames, so that each threshold has another share
+  for (int i = 20; i < 100; ++i) overlaps.push_back(0.01 * i + 0.005);
+  const std::vector<SegmentationScore> scores{score_overlaps("forest", overlaps, 3)};
+  const nlohmann::json json = nlohmann::json::parse(to_json(std::nullopt, scores))["segmentation"][0];
+  EXPECT_EQ(json["name"], "forest");
+  EXPECT_EQ(json["frames"], 80);
+  EXPECT_EQ(json["missing"], 3);
+  EXPECT_DOUBLE_EQ(json["fraction_above"]["0.50"].get<double>(), 50.0 / 80.0);
+  EXPECT_DOUBLE_EQ(json["fraction_above"]["0.75"].get<double>(), 25.0 / 80.0);
+  EXPECT_EQ(json["fraction_above"].size(), 2U);
+  const std::string csv = overlaps_csv(scores);
+  EXPECT_THAT(csv, ::testing::StartsWith("method,threshold,frames_above\nforest,0.00,1.000000\n"));
+  EXPECT_THAT(csv, ::testing::HasSubstr("\nforest,0.50,0.625000\n"));
+  EXPECT_THAT(csv, ::testing::HasSubstr("\nforest,0.90,0.125000\n"));
 }
 
 }  // namespace

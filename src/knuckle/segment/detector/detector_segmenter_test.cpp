@@ -36,7 +36,8 @@ class DetectorSegmenterTest : public ::testing::Test {
 };
 
 TEST_F(DetectorSegmenterTest, AHandIsWhatLiesInTheBallAroundItsCentre) {
-  draw_ball(frame_, Point3(150, 30, 300), 50);  // nearer, and no hand
+  draw_ball(frame_, Point3(150, 30, 300), 50);              // nearer, and no hand
+  draw_ball(frame_, kSeen.centre + Point3(75, 0, 30), 60);  // an arm, in part within the ball
   const Segmentation found = segmenter().segment(frame_, std::nullopt, 4);
   ASSERT_EQ(found.hands.size(), 1u);
   const HandRegion& hand = found.hands[0];
@@ -44,6 +45,7 @@ TEST_F(DetectorSegmenterTest, AHandIsWhatLiesInTheBallAroundItsCentre) {
   EXPECT_NEAR(hand.score, 0.9, 0.002);
   EXPECT_EQ(hand.side, HandSide::left);
   const RayTable rays(frame_.camera);
+  int near_the_edge = 0;
   for (int row = 0; row < 240; ++row) {
     for (int column = 0; column < 320; ++column) {
       const float depth = frame_.depth_mm(column, row);
@@ -53,8 +55,10 @@ TEST_F(DetectorSegmenterTest, AHandIsWhatLiesInTheBallAroundItsCentre) {
       if (std::abs(distance - 95.0) < 0.2) continue;
       const bool is_hand = hand.box.contains(column, row) && hand.mask(column - hand.box.x, row - hand.box.y);
       EXPECT_EQ(is_hand, distance < 95.0);
+      near_the_edge += distance > 80.0 && distance < 110.0;
     }
   }
+  EXPECT_GT(near_the_edge, 50);
 }
 
 TEST_F(DetectorSegmenterTest, ARegionInAMirrorHasTheOtherSide) {
