@@ -6,6 +6,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/skeleton_energy.h"
 #include "knuckle/hand/skeleton_testing.h"
 
 namespace knuckle {
