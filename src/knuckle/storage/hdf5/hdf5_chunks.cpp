@@ -9,8 +9,8 @@
 
 namespace knuckle {
 
-Hdf5Chunks::Hdf5Chunks(const Hdf5Bytes& file, std::uint64_t tree, const std::vector<std::uint64_t>& shape,
-                       const std::vector<std::uint64_t>& chunk)
+Hdf5Chunks::Hdf5Chunks(const Hdf5Bytes& file, const std::optional<std::uint64_t>& tree,
+                       const std::vector<std::uint64_t>& shape, const std::vector<std::uint64_t>& chunk)
     : chunk_(chunk), counts_(shape.size()) {
   for (std::size_t d = 0; d < shape.size(); ++d)
     counts_[d] = shape[d] / chunk[d] + (shape[d] % chunk[d] != 0 ? 1 : 0);
@@ -36,7 +36,8 @@ Hdf5Chunks::Hdf5Chunks(const Hdf5Bytes& file, std::uint64_t tree, const std::vec
     chunks_.push_back(found);
   };
   constexpr std::size_t kPlaceBytes = 8;
-  for_each_leaf_entry(file, tree, Hdf5TreeKind::chunks, 8 + kPlaceBytes * (rank + 1), add);
+  if (!tree) return;
+  for_each_leaf_entry(file, *tree, Hdf5TreeKind::chunks, 8 + kPlaceBytes * (rank + 1), add);
 }
 
 std::uint64_t Hdf5Chunks::number_of(const std::vector<std::uint64_t>& place) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "knuckle/storage/hdf5/hdf5_bytes.h"
@@ -20,9 +21,10 @@ struct Hdf5Chunk {
 class Hdf5Chunks {
  public:
   Hdf5Chunks() = default;
-  /// `shape` and `chunk` have the same number of sides, those of `chunk` more than 0.
-  Hdf5Chunks(const Hdf5Bytes& file, std::uint64_t tree, const std::vector<std::uint64_t>& shape,
-             const std::vector<std::uint64_t>& chunk);
+  /// Without a tree no chunk was written. `shape` and `chunk` have the same number of sides, those of `chunk`
+  /// more than 0.
+  Hdf5Chunks(const Hdf5Bytes& file, const std::optional<std::uint64_t>& tree,
+             const std::vector<std::uint64_t>& shape, const std::vector<std::uint64_t>& chunk);
 
   /// The chunk whose first element is at `place`; null where it was never written.
   const Hdf5Chunk* find(const std::vector<std::uint64_t>& place) const;

@@ -135,7 +135,7 @@ void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
     fault(fmt::format("is stored in chunks of {} bytes, expected at most {}", bytes, limits::kChunkBytes));
   }
   chunk_bytes_ = static_cast<std::size_t>(bytes);
-  if (tree) chunks_ = Hdf5Chunks(*file_, *tree, shape_, chunk_);
+  chunks_ = Hdf5Chunks(*file_, tree, shape_, chunk_);
   stored_bytes_ = chunks_.stored_bytes();
 }
 
