@@ -70,7 +70,7 @@ TEST(Hdf5Number, FractionsAndWhatIsNoNumberAreNoIntegers) {
 }
 
 TEST(Hdf5Number, NumbersBecomeFloatsButNotInfinite) {
-  expect_fits<float>(1e38);
+  expect_fits<float>(0x1p126);
   expect_refused<float>(1e39);
   expect_refused<float>(-1e39);
   expect_fits<float>(std::numeric_limits<double>::infinity());
