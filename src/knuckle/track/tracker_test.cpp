@@ -258,7 +258,7 @@ TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
   EXPECT_EQ(tracker.update(frame_at(10.03)).at(0).id, 2) << "stands still";
   EXPECT_EQ(tracker.update(frame_at(9.0)).at(0).id, 3) << "goes back";
   EXPECT_EQ(tracker.update(frame_at(9.03)).at(0).id, 3);
-  EXPECT_EQ(tracker.update(frame_at(10.03)).at(0).id, 4) << "leaps";
+  EXPECT_EQ(tracker.update(frame_at(10.1)).at(0).id, 4) << "leaps";
   EXPECT_EQ(tracker.update(frame_at(3609.0)).at(0).id, 5);
   Frame other = frame_at(3609.03);
   other.sequence = 1;
