@@ -15,6 +15,7 @@ struct PatchPose {
   std::vector<PatchPoint> joints;         ///< one per landmark of the model's convention
   std::vector<float> confidence;          ///< one per joint in [0, 1], or empty
   std::optional<double> right_hand = {};  ///< how likely it is a right hand, [0, 1]; nothing: it cannot tell
+  std::optional<double> hand = {};        ///< how likely it is a hand at all; nothing: it cannot tell
 };
 
 /// Infers the pose of a hand from its patch. Models are for right hands.

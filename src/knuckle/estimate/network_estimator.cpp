@@ -19,7 +19,8 @@ double NetworkEstimator::sure_confidence() const {
 
 PatchPose NetworkEstimator::estimate(const HandPatch& patch) const {
   NetworkPrediction prediction = network_.predict(patch.pixels);
-  return {std::move(prediction.joints), std::move(prediction.confidence), prediction.right_hand};
+  return {std::move(prediction.joints), std::move(prediction.confidence), prediction.right_hand,
+          prediction.hand};
 }
 
 }  // namespace knuckle

@@ -58,6 +58,8 @@ PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
     const double other_confidence = mean_confidence(other);
     if (!other.right_hand) other.right_hand = surest.right_hand;
     if (!surest.right_hand) surest.right_hand = other.right_hand;
+    if (!other.hand) other.hand = surest.hand;
+    if (!surest.hand) surest.hand = other.hand;
     if (other_confidence <= confidence + options_.lead) continue;
     surest = std::move(other);
     confidence = other_confidence;

@@ -34,7 +34,8 @@ class SurestEstimator final : public Estimator {
   const PatchExtractor& patches() const override { return estimators_.front()->patches(); }
   int passes() const override { return options_.passes; }
   double sure_confidence() const override;
-  /// The side is what the surest says, or else the surest of those asked that can tell.
+  /// The side, and whether it is a hand, are what the surest says, or else the surest of those asked that can
+  /// tell.
   PatchPose estimate(const HandPatch& patch) const override;
 
  private:

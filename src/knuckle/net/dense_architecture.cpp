@@ -3,6 +3,11 @@
 
 namespace knuckle {
 
+DenseMaps::DenseMaps(const NetworkOptions& options) : count(kMapsPerJoint * options.joint_count()) {
+  if (options.dense.tells_side) side = count++;
+  if (options.dense.tells_hand) hand = count++;
+}
+
 EncoderDecoderShape dense_shape(const NetworkOptions& options) {
   const DenseNetworkOptions& dense = options.dense;
   return {.inputs = 1,
@@ -12,7 +17,7 @@ EncoderDecoderShape dense_shape(const NetworkOptions& options) {
           .sixteenth = dense.sixteenth_channels,
           .head = dense.head_channels,
           .blocks = dense.blocks,
-          .maps = kMapsPerJoint * options.joint_count() + (dense.tells_side ? 1 : 0)};
+          .maps = DenseMaps(options).count};
 }
 
 std::vector<NetworkArray> dense_arrays(const NetworkOptions& options) {

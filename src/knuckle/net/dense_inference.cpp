@@ -23,7 +23,8 @@ NetworkPrediction DenseInference::predict(const Image<float>& patch) const {
   return pool_.with_workspace([&](EncoderDecoder::Maps& maps) {
     copy_image(patch, maps.input);
     network_.apply(maps);
-    return aggregate_votes(maps.maps, patch, options_.joint_count(), options_.dense.kernel);
+    return aggregate_votes(maps.maps, patch, options_.joint_count(), DenseMaps(options_),
+                           options_.dense.kernel);
   });
 }
 

@@ -16,6 +16,7 @@ struct NetworkPrediction {
   std::vector<PatchPoint> joints;         ///< one per landmark of the convention
   std::vector<float> confidence;          ///< one per joint, in [0, 1]; or empty where the network gives none
   std::optional<double> right_hand = {};  ///< how likely it is a right one, [0, 1]; nothing: it cannot tell
+  std::optional<double> hand = {};        ///< how likely there is a hand at all; nothing: it cannot tell
 };
 
 /// A network, laid out for answering one patch at a time on the calling thread.

@@ -40,6 +40,7 @@ void DenseNetworkOptions::visit(OptionVisitor& visitor) {
   visitor.real("kernel", kernel, open_closed(0, 4));
   visitor.real("dense_weight", dense_weight, closed(0, 100));
   visitor.flag("tells_side", tells_side);
+  visitor.flag("tells_hand", tells_hand);
 }
 
 void PaperNetworkOptions::visit(OptionVisitor& visitor) {

@@ -29,6 +29,7 @@ struct DenseNetworkOptions {
   double kernel = 0.8;           ///< reach of the closeness, in halves of the cube's side, (0, 4]
   double dense_weight = 0.5;     ///< of the loss on offsets and closeness against that on joints, [0, 100]
   bool tells_side = false;  ///< one more map says whether the hand is a right one, as joints are told for
+  bool tells_hand = false;  ///< one more map says whether there is a hand at all
 
   void visit(OptionVisitor& visitor);
 };

@@ -144,13 +144,15 @@ class VoteAggregation {
 }  // namespace
 
 NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& patch, int joint_count,
-                                  double kernel) {
+                                  const DenseMaps& maps, double kernel) {
   std::vector<Cell> cells = voting_cells(votes, patch);
-  const int side_map = kMapsPerJoint * joint_count;
   std::optional<double> right_hand;
-  if (votes.channels() > side_map) right_hand = logistic(mean_of_map(cells, side_map));
+  std::optional<double> hand;
+  if (maps.side) right_hand = logistic(mean_of_map(cells, *maps.side));
+  if (maps.hand) hand = logistic(mean_of_map(cells, *maps.hand));
   NetworkPrediction prediction = VoteAggregation(std::move(cells), joint_count, kernel).aggregate();
   prediction.right_hand = right_hand;
+  prediction.hand = hand;
   return prediction;
 }
 

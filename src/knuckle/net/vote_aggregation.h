@@ -3,6 +3,7 @@
 #pragma once
 
 #include "knuckle/core/image.h"
+#include "knuckle/net/dense_architecture.h"
 #include "knuckle/net/layers/feature_map.h"
 #include "knuckle/net/network_inference.h"
 
@@ -12,9 +13,8 @@ namespace knuckle {
 /// are hand (of all cells where none is), under the softmax of their weights.
 ///
 /// `votes`: a cell a quarter of the patch's resolution; channels are offset u (of all joints), v, d,
-/// closeness, weight, and in networks that tell sides one more, whose mean over these cells is the logit of a
-/// right hand. `kernel`: the distance of the closeness 0.
+/// closeness, weight, then those that tell sides and hands, whose means over these cells are logits.
 NetworkPrediction aggregate_votes(const FeatureMap& votes, const Image<float>& patch, int joint_count,
-                                  double kernel);
+                                  const DenseMaps& maps, double kernel);
 
 }  // namespace knuckle

@@ -16,6 +16,18 @@ constexpr int kCells = kSize / 4;
 constexpr int kJoints = 5;
 constexpr double kKernel = 0.8;
 
+/// The maps of a network, which tells sides and hands or not.
+DenseMaps maps_of(bool tells_side, bool tells_hand) {
+  DenseMaps maps{NetworkOptions{}};
+  maps.count = 5 * kJoints;
+  if (tells_side) maps.side = maps.count++;
+  if (tells_hand) maps.hand = maps.count++;
+  return maps;
+}
+DenseMaps of_joints() {
+  return maps_of(false, false);
+}
+
 double centre_of(int cell) {
   const double half = 0.5 * (kSize - 1);
   return (4 * cell + 1.5 - half) / half;
@@ -79,7 +91,7 @@ std::vector<Vote> votes_of(const FeatureMap& maps, const Image<float>& patch, in
 
 void expect_definition(const Image<float>& patch, bool only_hand) {
   const FeatureMap maps = random_votes();
-  const NetworkPrediction found = aggregate_votes(maps, patch, kJoints, kKernel);
+  const NetworkPrediction found = aggregate_votes(maps, patch, kJoints, of_joints(), kKernel);
   ASSERT_EQ(found.joints.size(), static_cast<std::size_t>(kJoints));
   for (int j = 0; j < kJoints; ++j) {
     const std::vector<Vote> votes = votes_of(maps, patch, j, only_hand);
@@ -129,7 +141,7 @@ TEST(VoteAggregation, FindsTheJointsThatTrueVotesPointAt) {
       }
     }
   }
-  const NetworkPrediction found = aggregate_votes(maps, patch, kJoints, kKernel);
+  const NetworkPrediction found = aggregate_votes(maps, patch, kJoints, of_joints(), kKernel);
   for (int j = 0; j < kJoints; ++j) {
     EXPECT_NEAR(found.joints[j].u, joints[j].u, 1e-5);
     EXPECT_NEAR(found.joints[j].v, joints[j].v, 1e-5);
@@ -138,25 +150,35 @@ TEST(VoteAggregation, FindsTheJointsThatTrueVotesPointAt) {
   }
 }
 
-TEST(VoteAggregation, TheMapOfSidesIsALogitOfRightHands) {
+TEST(VoteAggregation, TheMapsOfSidesAndHandsAreLogits) {
   const Image<float> patch = half_empty_patch();
-  FeatureMap maps({kCells, kCells, 5 * kJoints + 1});
-  EXPECT_FALSE(aggregate_votes(random_votes(), patch, kJoints, kKernel).right_hand);
-  double sum = 0.0;
+  FeatureMap maps({kCells, kCells, 5 * kJoints + 2});
+  double sums[2] = {};
   int voters = 0;
   Random random(3);
   for (int row = 0; row < kCells; ++row) {
     for (int column = 0; column < kCells; ++column) {
-      float& logit = maps.pixel(row, column)[5 * kJoints];
-      logit = static_cast<float>(1.0 + random.normal());
-      if (nearest(patch, row, column) >= kCubeBackground) continue;
-      sum += logit;
-      ++voters;
+      const bool votes = nearest(patch, row, column) < kCubeBackground;
+      for (int i = 0; i < 2; ++i) {
+        float& logit = maps.pixel(row, column)[5 * kJoints + i];
+        logit = static_cast<float>((i == 0 ? 1.0 : -2.0) + random.normal());
+        if (votes) sums[i] += logit;
+      }
+      voters += votes ? 1 : 0;
     }
   }
-  ASSERT_GT(sum / voters, 0.2);
-  const double expected = 1.0 / (1.0 + std::exp(-sum / voters));
-  EXPECT_NEAR(aggregate_votes(maps, patch, kJoints, kKernel).right_hand.value(), expected, 1e-6);
+  const auto logistic = [&](double sum) { return 1.0 / (1.0 + std::exp(-sum / voters)); };
+  const auto seen = [&](bool tells_side, bool tells_hand) {
+    return aggregate_votes(maps, patch, kJoints, maps_of(tells_side, tells_hand), kKernel);
+  };
+  ASSERT_GT(sums[0] / voters, 0.2);
+  ASSERT_LT(sums[1] / voters, -0.2);
+  EXPECT_NEAR(seen(true, true).right_hand.value(), logistic(sums[0]), 1e-6);
+  EXPECT_NEAR(seen(true, true).hand.value(), logistic(sums[1]), 1e-6);
+  EXPECT_NEAR(seen(true, false).right_hand.value(), logistic(sums[0]), 1e-6);
+  EXPECT_NEAR(seen(false, true).hand.value(), logistic(sums[0]), 1e-6) << "then it is the first of them";
+  EXPECT_FALSE(seen(false, true).right_hand);
+  EXPECT_FALSE(seen(true, false).hand);
 }
 
 }  // namespace

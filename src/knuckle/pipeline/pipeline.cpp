@@ -272,7 +272,7 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   // Who found the place and who sees the pose there are two witnesses: the first counts by half.
   const double likelihood = std::sqrt(region.likelihood.value_or(1.0));
   hand.region = std::move(region);
-  hand.score = likelihood * plausibility * mean_confidence(seen.pose);
+  hand.score = likelihood * seen.hand.value_or(1.0) * plausibility * mean_confidence(seen.pose);
   hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
                          : std::move(seen.pose);
   return hand;
@@ -291,7 +291,8 @@ HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& cent
 Pipeline::PoseSeen Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {
   return timed(times.estimate_ms, [&] {
     const PatchPose pose = estimator_->estimate(patch);
-    return PoseSeen{pose_in_image(pose, estimator_->convention(), patch.geometry), pose.right_hand};
+    return PoseSeen{pose_in_image(pose, estimator_->convention(), patch.geometry), pose.right_hand,
+                    pose.hand};
   });
 }
 

@@ -113,6 +113,7 @@ class Pipeline {
   struct PoseSeen {
     HandPose pose;
     std::optional<double> right_hand;
+    std::optional<double> hand;
   };
 
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;

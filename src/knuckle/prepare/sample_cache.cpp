@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "knuckle/prepare/sample_file.h"
+#include "knuckle/prepare/thing_samples.h"
+#include "knuckle/segment/detector/detector_file.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/file_io.h"
 
@@ -28,15 +30,29 @@ SampleCache::SampleCache(std::filesystem::path folder) : folder_(std::move(folde
   if (!folder_.empty()) make_folder(folder_);
 }
 
-NetworkSamples SampleCache::samples(const std::string& source, const HandFinder& finder,
-                                    const Inputs& segmentation, const SampleOptions& options) const {
-  if (folder_.empty()) return network_samples(source, finder, options);
-  const Inputs inputs = inputs_of(source, segmentation, options);
+NetworkSamples SampleCache::kept(const Inputs& inputs, const std::function<NetworkSamples()>& make) const {
   const std::filesystem::path file = folder_ / fmt::format("samples_{}.h5", text_hash(inputs.text()));
   if (std::filesystem::exists(file)) return read_samples(file, inputs);
-  NetworkSamples made = network_samples(source, finder, options);
+  NetworkSamples made = make();
   write_samples(file, made, inputs);
   return made;
+}
+
+NetworkSamples SampleCache::samples(const std::string& source, const HandFinder& finder,
+                                    const Inputs& segmentation, const SampleOptions& options) const {
+  const auto make = [&] { return network_samples(source, finder, options); };
+  return folder_.empty() ? make() : kept(inputs_of(source, segmentation, options), make);
+}
+
+NetworkSamples SampleCache::things(const std::string& source, const std::filesystem::path& detector,
+                                   const SampleOptions& options) const {
+  const auto make = [&] {
+    return thing_samples(source, HandDetector(load_detector_weights(detector)), options);
+  };
+  if (folder_.empty()) return make();
+  Inputs of_things;
+  of_things.add("what", "things").add_content("detector", detector);
+  return kept(inputs_of(source, of_things, options), make);
 }
 
 }  // namespace knuckle

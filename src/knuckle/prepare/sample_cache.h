@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "knuckle/prepare/inputs.h"
@@ -21,8 +22,13 @@ class SampleCache {
   /// the finder was made from.
   NetworkSamples samples(const std::string& source, const HandFinder& finder, const Inputs& segmentation,
                          const SampleOptions& options) const;
+  /// The same of `thing_samples`; `detector` is a model's file.
+  NetworkSamples things(const std::string& source, const std::filesystem::path& detector,
+                        const SampleOptions& options) const;
 
  private:
+  NetworkSamples kept(const Inputs& inputs, const std::function<NetworkSamples()>& make) const;
+
   std::filesystem::path folder_;
 };
 

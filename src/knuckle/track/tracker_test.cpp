@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/track/tracker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <thread>
@@ -43,7 +44,7 @@ struct World {
   Random random{5};
 };
 
-/// Finds the true hands: that within 120 mm of a start, or all of them.
+/// Finds the true hands: those within 120 mm of a start, the nearest first, or all of them.
 class TrueSegmenter final : public Segmenter {
  public:
   explicit TrueSegmenter(World& world) : world_(world) {}
@@ -51,7 +52,10 @@ class TrueSegmenter final : public Segmenter {
     Segmentation found;
     world_.searches += start ? 0 : 1;
     world_.while_searching();
-    for (const TrueHand& hand : world_.hands) {
+    std::vector<TrueHand> hands = world_.hands;
+    const auto distance = [&](const TrueHand& hand) { return (hand.middle - *start).norm(); };
+    if (start) std::ranges::stable_sort(hands, {}, distance);
+    for (const TrueHand& hand : hands) {
       if (start && (hand.middle - *start).norm() > 120.0) continue;
       if (std::ssize(found.hands) == max_hands) break;
       HandRegion region;

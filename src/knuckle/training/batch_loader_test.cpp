@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/batch_loader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -21,7 +22,7 @@ constexpr std::size_t kNumbers = kTestJoints * 3;
 
 BatchPlan plan_of(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
                   std::uint64_t seed) {
-  return {std::make_shared<const CubeSampleViews>(samples, augmentation), batch_size, seed};
+  return {std::make_shared<const CubeSampleViews>(TrainingCrops{samples}, augmentation), batch_size, seed};
 }
 
 /// How often each sample is in the batches [0, count); samples are told apart by their first joint's depth.
@@ -51,8 +52,8 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
   const CubeSamples samples = made_up_samples(4);
   AugmentationOptions mirrors = no_augmentation();
   mirrors.mirrored_share = 0.5;
-  const CubeSampleViews views(samples, mirrors, true);
-  const CubeSampleViews straight(samples, no_augmentation());
+  const CubeSampleViews views({samples}, mirrors, {.side = true});
+  const CubeSampleViews straight({samples}, no_augmentation());
   ASSERT_EQ(views.target_shape(), (std::vector<std::int64_t>{kTestJoints + 1, 3}));
   const auto side = static_cast<std::size_t>(views.input_shape()[1]);
   std::vector<float> input(side * side);
@@ -84,9 +85,75 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
 TEST(CubeSampleViews, NeedANetworkThatTellsSidesForMirrors) {
   const CubeSamples samples = made_up_samples(1);
   AugmentationOptions mirrors = no_augmentation();
-  EXPECT_THAT(error_of([&] { CubeSampleViews(samples, mirrors, true); }), HasSubstr("mirrored_share"));
+  EXPECT_THAT(error_of([&] { CubeSampleViews({samples}, mirrors, {.side = true}); }),
+              HasSubstr("mirrored_share"));
   mirrors.mirrored_share = 0.1;
-  EXPECT_THAT(error_of([&] { CubeSampleViews(samples, mirrors, false); }), HasSubstr("tells_side"));
+  EXPECT_THAT(error_of([&] { CubeSampleViews({samples}, mirrors); }), HasSubstr("tells_side"));
+}
+
+/// As `made_up_samples`, of nothing: no joint is known.
+CubeSamples made_up_things(std::int64_t count) {
+  const CubeSamples hands = made_up_samples(count);
+  CubeSamples things(count, kTestJoints, hands.patch(), hands.crop_px());
+  const std::vector<float> unknown(kNumbers, static_cast<float>(kNaN));
+  for (std::int64_t i = 0; i < count; ++i)
+    things.set(i, {hands.sample(i).codes, unknown, hands.sample(i).centre_mm});
+  things.finish();
+  return things;
+}
+
+TEST(CubeSampleViews, OfThingsFollowThoseOfHandsAndSayThatTheyAreNone) {
+  const CubeSamples hands = made_up_samples(3);
+  const CubeSamples things = made_up_things(2);
+  AugmentationOptions mirrors = no_augmentation();
+  mirrors.mirrored_share = 0.5;
+  const CubeSampleViews views({hands, &things}, mirrors, {.side = true, .hand = true});
+  EXPECT_EQ(views.size(), 5);
+  ASSERT_EQ(views.target_shape(), (std::vector<std::int64_t>{kTestJoints + 2, 3}));
+  const auto side = static_cast<std::size_t>(views.input_shape()[1]);
+  std::vector<float> input(side * side);
+  std::vector<float> target(kNumbers + 6);
+  int mirrored_things = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (std::int64_t i = 0; i < 5; ++i) {
+      Random random(seed);
+      views.view(i, random, input, target);
+      const float answer = target[kNumbers + 3];
+      EXPECT_EQ(answer, i < 3 ? 1.0f : 0.0f);
+      EXPECT_EQ(std::isnan(target[kNumbers]), i >= 3) << "a thing has no side";
+      if (i < 3) continue;
+      EXPECT_TRUE(
+          std::all_of(target.begin(), target.begin() + kNumbers, [](float x) { return std::isnan(x); }));
+      // The thing is the hand of that number, perhaps in a mirror.
+      std::vector<float> straight(input.size());
+      std::vector<float> joints(kNumbers);
+      Random same(seed);
+      CubeSampleViews({hands}, no_augmentation()).view(i - 3, same, straight, joints);
+      mirrored_things += straight == input ? 0 : 1;
+    }
+  }
+  EXPECT_GT(mirrored_things, 8);
+  EXPECT_LT(mirrored_things, 32);
+}
+
+TEST(CubeSampleViews, WhetherThereIsAHandIsLearnedFromThingsAlone) {
+  const CubeSamples hands = made_up_samples(3);
+  const CubeSamples things = made_up_things(2);
+  EXPECT_THAT(error_of([&] {
+                CubeSampleViews({hands, &things}, no_augmentation());
+              }),
+              HasSubstr("there are 2 things, and [network] tells_hand is false"));
+  EXPECT_THAT(error_of([&] { CubeSampleViews({hands}, no_augmentation(), {.hand = true}); }),
+              HasSubstr("there are 0 things, and [network] tells_hand is true"));
+  CubeSamples large(1, kTestJoints, hands.patch(), hands.crop_px() + 2);
+  const std::vector<std::uint8_t> codes(static_cast<std::size_t>(large.crop_px() * large.crop_px()), 255);
+  const std::vector<float> unknown(kNumbers, static_cast<float>(kNaN));
+  large.set(0, {codes, unknown, Point3(0, 0, 500)});
+  large.finish();
+  EXPECT_THAT(error_of([&] {
+                CubeSampleViews({hands, &large}, no_augmentation(), {.hand = true});
+              }),
+              HasSubstr("different sizes"));
 }
 
 TEST(BatchPlan, ABatchMayBeLargerThanTheSet) {

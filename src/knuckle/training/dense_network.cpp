@@ -14,8 +14,8 @@ namespace {
 constexpr int kStride = kMapStride;
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
-constexpr double kHandSideWeight =
-    0.05;  // of the entropy of the side, against the smooth distances of joints
+constexpr double kQuestionWeight =
+    0.05;  // of the entropy of side or hand, against the smooth distances of joints
 
 /// u (or v) of the centres of the cells of one line of the maps.
 torch::Tensor cell_centres(int64_t cells, const torch::TensorOptions& options) {
@@ -61,6 +61,7 @@ DenseNetwork::DenseNetwork(const NetworkOptions& options)
     : NetworkModule(options.patch.size_px),
       joint_count_(options.joint_count()),
       options_(options.dense),
+      maps_(options),
       network_(*this, dense_shape(options)) {}
 
 torch::Tensor DenseNetwork::forward(const torch::Tensor& patches) {
@@ -82,24 +83,34 @@ DenseNetwork::Votes DenseNetwork::votes_of(const torch::Tensor& output, const to
   return votes;
 }
 
-torch::Tensor DenseNetwork::side_logits(const torch::Tensor& output, const torch::Tensor& patches) const {
+torch::Tensor DenseNetwork::logits(const torch::Tensor& output, const torch::Tensor& patches, int map) const {
   const torch::Tensor is_hand =
       (cell_points(patches).select(1, 2) < kCubeBackground).to(output.scalar_type());
-  const torch::Tensor map = output.select(1, kMapsPerJoint * joint_count_);
   // As in use: all cells where none is hand.
   const torch::Tensor counts =
       torch::where(is_hand.sum({1, 2}, true) > 0, is_hand, torch::ones_like(is_hand));
-  return (map * counts).sum({1, 2}) / counts.sum({1, 2});
+  return (output.select(1, map) * counts).sum({1, 2}) / counts.sum({1, 2});
+}
+
+torch::Tensor DenseNetwork::question_loss(const torch::Tensor& logits, const torch::Tensor& answers) const {
+  const torch::Tensor is_known = torch::isfinite(answers).to(logits.scalar_type());
+  const torch::Tensor truth = torch::nan_to_num(answers, 0.0).to(logits.scalar_type());
+  const torch::Tensor sum =
+      torch::binary_cross_entropy_with_logits(logits, truth, is_known, {}, at::Reduction::Sum);
+  return sum / is_known.sum().clamp_min(1.0);
 }
 
 torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tensor& patches,
                                  const torch::Tensor& targets) {
-  if (!options_.tells_side) return joint_loss(output, patches, targets);
-  const torch::Tensor joints = targets.narrow(1, 0, joint_count_).contiguous();
-  const torch::Tensor is_right = targets.select(1, joint_count_).select(1, 0).to(output.scalar_type());
-  const torch::Tensor side = torch::binary_cross_entropy_with_logits(side_logits(output, patches), is_right,
-                                                                     {}, {}, at::Reduction::Mean);
-  return joint_loss(output, patches, joints) + kHandSideWeight * side;
+  if (!maps_.side && !maps_.hand) return joint_loss(output, patches, targets);
+  torch::Tensor sum = joint_loss(output, patches, targets.narrow(1, 0, joint_count_).contiguous());
+  int row = joint_count_;
+  for (const std::optional<int>& map : {maps_.side, maps_.hand}) {
+    if (!map) continue;
+    const torch::Tensor answers = targets.select(1, row++).select(1, 0);
+    sum = sum + kQuestionWeight * question_loss(logits(output, patches, *map), answers);
+  }
+  return sum;
 }
 
 torch::Tensor DenseNetwork::joint_loss(const torch::Tensor& output, const torch::Tensor& patches,
@@ -134,7 +145,8 @@ NetworkAnswer DenseNetwork::decode(const torch::Tensor& output, const torch::Ten
   const torch::Tensor squares = (each - joints.unsqueeze(-1)).square().sum(2, true);
   const torch::Tensor spread = (squares * votes.weight).sum(-1).sqrt().squeeze(-1);
   NetworkAnswer answer{joints, torch::exp(-spread / kSpreadScale), {}};
-  if (options_.tells_side) answer.right_hand = torch::sigmoid(side_logits(output, patches));
+  if (maps_.side) answer.right_hand = torch::sigmoid(logits(output, patches, *maps_.side));
+  if (maps_.hand) answer.hand = torch::sigmoid(logits(output, patches, *maps_.hand));
   return answer;
 }
 

@@ -2,6 +2,7 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
+#include "knuckle/net/dense_architecture.h"
 #include "knuckle/training/encoder_decoder_module.h"
 #include "knuckle/training/network_module.h"
 
@@ -15,8 +16,9 @@ namespace knuckle {
 /// the joints, and of the offsets and closenesses within the kernel's reach.
 ///
 /// Output: N x 5J x h x h with h = size / 4; channels are offset u (of all joints), v, d, closeness, weight.
-/// A network that tells sides has one more, whose mean over the hand is the logit of a right hand; its
-/// targets are N x (J + 1) x 3, the last row's first number 1 for a right hand and 0 for a left one.
+/// A network that tells sides, or hands, has one more for each (DenseMaps), whose mean over what is seen is
+/// the logit of a right hand, of a hand. Its targets have a row more for each, whose first number is 1 for a
+/// right hand (for a hand), 0 for a left one (for something else), NaN where that is not known.
 class DenseNetwork final : public NetworkModule {
  public:
   explicit DenseNetwork(const NetworkOptions& options);
@@ -30,7 +32,10 @@ class DenseNetwork final : public NetworkModule {
   struct Votes;
   torch::Tensor joint_loss(const torch::Tensor& output, const torch::Tensor& patches,
                            const torch::Tensor& joints) const;
-  torch::Tensor side_logits(const torch::Tensor& output, const torch::Tensor& patches) const;  // N
+  /// The mean of a map over what is seen: N.
+  torch::Tensor logits(const torch::Tensor& output, const torch::Tensor& patches, int map) const;
+  /// The mean entropy of the answers to a question against those that are known.
+  torch::Tensor question_loss(const torch::Tensor& logits, const torch::Tensor& answers) const;
   /// The loss in LibTorch's operations, for any device and precision: what `vote_loss` computes faster.
   torch::Tensor loss_by_operations(const torch::Tensor& output, const torch::Tensor& patches,
                                    const torch::Tensor& joints) const;
@@ -38,6 +43,7 @@ class DenseNetwork final : public NetworkModule {
 
   int joint_count_;
   DenseNetworkOptions options_;
+  DenseMaps maps_;
   EncoderDecoderModule network_;
 };
 

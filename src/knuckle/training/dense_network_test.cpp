@@ -147,6 +147,36 @@ TEST(DenseNetwork, TheLossOfSidesHasTheGradientOfFiniteDifferences) {
       0.3 * torch::randn({2, 5 * kJoints + 1, kMaps, kMaps}, torch::kDouble));
 }
 
+TEST(DenseNetwork, TheLossOfSidesAndHandsHasTheGradientOfFiniteDifferences) {
+  NetworkOptions options = network_that_tells_sides();
+  options.dense.tells_hand = true;
+  const auto network = make_network(options, 1);
+  torch::manual_seed(11);
+  const torch::Tensor patches = torch::rand({3, 1, kSize, kSize}, torch::kDouble) * 1.5 - 0.2;
+  torch::Tensor targets = torch::rand({3, kJoints + 2, 3}, torch::kDouble) - 0.5;
+  targets.narrow(1, kJoints, 2).fill_(1.0);
+  targets[2].fill_(kNaN);  // a thing
+  targets[2][kJoints + 1].fill_(0.0);
+  testing::expect_gradient_of_finite_differences(
+      *network, patches, targets, 0.3 * torch::randn({3, 5 * kJoints + 2, kMaps, kMaps}, torch::kDouble));
+}
+
+TEST(DenseNetwork, OfAThingOnlyThatItIsNoHandIsLearned) {
+  NetworkOptions options = network_that_tells_sides();
+  options.dense.tells_hand = true;
+  const auto network = make_network(options, 1);
+  torch::manual_seed(12);
+  const torch::Tensor patches = torch::rand({1, 1, kSize, kSize}) - 0.5;
+  torch::Tensor output = torch::randn({1, 5 * kJoints + 2, kMaps, kMaps});
+  output.set_requires_grad(true);
+  torch::Tensor targets = torch::full({1, kJoints + 2, 3}, kNaN);
+  targets[0][kJoints + 1].fill_(0.0);
+  network->loss(output, patches, targets).backward();
+  const torch::Tensor slopes = output.grad()[0];
+  EXPECT_EQ(slopes.narrow(0, 0, 5 * kJoints + 1).abs().sum().item<float>(), 0.0f);
+  EXPECT_TRUE((slopes[5 * kJoints + 1] > 0).all().item<bool>()) << "less of a hand";
+}
+
 TEST(DenseNetwork, OfALeftHandOnlyTheSideIsLearned) {
   const auto network = make_network(network_that_tells_sides(), 1);
   torch::manual_seed(9);

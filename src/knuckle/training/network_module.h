@@ -18,6 +18,7 @@ struct NetworkAnswer {
   torch::Tensor confidence;  ///< N x J, in [0, 1]; undefined where the architecture gives none
   torch::Tensor right_hand =
       {};  ///< N, in [0, 1]: how likely a right hand; undefined where the network cannot tell
+  torch::Tensor hand = {};  ///< the same of a hand at all
 };
 
 /// An architecture that infers joints from patches, N x 1 x size x size: with its weights, its loss against

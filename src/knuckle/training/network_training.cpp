@@ -78,7 +78,7 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
 std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const NetworkTrainingOptions& options,
                                            const AugmentationOptions& augmentation,
-                                           const CubeSamples& training, const CubeSamples& validation,
+                                           const TrainingCrops& training, const CubeSamples& validation,
                                            const NetworkTrainingRun& run) {
   check(network, "training");
   if (options.batch_size == options.shards && network.architecture != "dense") {
@@ -86,7 +86,7 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
         "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
         options.batch_size, options.shards);
   }
-  if (training.size() == 0) fail("training: there is no sample to train on");
+  if (training.hands.size() == 0) fail("training: there is no sample to train on");
   if (validation.size() == 0) fail("training: there is no sample to validate on");
   return train(PoseTrainingTask(network, augmentation, training, validation), options, run);
 }

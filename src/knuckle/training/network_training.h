@@ -14,6 +14,7 @@
 #include "knuckle/prepare/cube_samples.h"
 #include "knuckle/prepare/cube_view.h"
 #include "knuckle/training/learning_rate.h"
+#include "knuckle/training/sample_views.h"
 
 namespace knuckle {
 
@@ -96,7 +97,7 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
 std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const NetworkTrainingOptions& options,
                                            const AugmentationOptions& augmentation,
-                                           const CubeSamples& training, const CubeSamples& validation,
+                                           const TrainingCrops& training, const CubeSamples& validation,
                                            const NetworkTrainingRun& run);
 
 }  // namespace knuckle

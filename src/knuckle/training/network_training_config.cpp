@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
@@ -20,8 +21,9 @@ std::int64_t frames_of(const std::string& source, int most) {
 
 void check_memory(const NetworkTrainingConfig& config) {
   const NetworkSampleOptions& samples = config.samples;
-  const std::int64_t count =
-      frames_of(config.source, samples.most) + frames_of(config.validation, samples.most_validation);
+  const std::int64_t count = frames_of(config.source, samples.most) +
+                             frames_of(config.validation, samples.most_validation) +
+                             (samples.most_things > 0 ? frames_of(config.source, samples.most_things) : 0);
   const double gigabytes =
       static_cast<double>(CubeSamples::bytes(count, config.network.joint_count(), samples.crop_px)) /
       kBytesPerGigabyte;
@@ -49,6 +51,7 @@ void NetworkSampleOptions::visit(OptionVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kCentres{"segmentation", "joints"};
   visitor.integer("most", most, closed(0, 1e9));
   visitor.integer("most_validation", most_validation, closed(0, 1e9));
+  visitor.integer("most_things", most_things, closed(0, 1e9));
   visitor.integer("crop_px", crop_px, closed(2, 4096));
   visitor.choice("centre", centre, kCentres);
   visitor.real("memory_gb", memory_gb, open_closed(0, 10000));
@@ -59,6 +62,7 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   NetworkTrainingConfig config{.source = source_in(document, "source"),
                                .validation = source_in(document, "validation"),
                                .initial = {},
+                               .detector = {},
                                .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
                                .finder = HandFinder(document),
                                .segmentation = inputs_of_finder(document),
@@ -69,6 +73,8 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
                                .resolved_options = {}};
   const std::string initial = document.text_or("initial", "");
   if (!initial.empty()) config.initial = document.resolved_path(initial);
+  const std::string detector = document.text_or("detector", "");
+  if (!detector.empty()) config.detector = document.resolved_path(detector);
   document.table("patch").read(config.network.patch);
   document.table("samples").read(config.samples);
   document.table("network").read(config.network);
@@ -76,6 +82,9 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   document.table("training").read(config.training);
   document.finish();
   check(config.network, path.string());
+  if (config.samples.most_things > 0 && config.detector.empty())
+    fail("{}: most_things is {}, and no 'detector' is named that finds them", path.string(),
+         config.samples.most_things);
   config.resolved_options = document.resolved_toml();
   return config;
 }
@@ -94,10 +103,15 @@ NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, 
       cache.samples(config.validation, config.finder, config.segmentation, options);
   options.most = config.samples.most;
   const NetworkSamples training = cache.samples(config.source, config.finder, config.segmentation, options);
+  std::optional<NetworkSamples> things;
+  if (config.samples.most_things > 0) {
+    options.most = config.samples.most_things;
+    things.emplace(cache.things(config.source, config.detector, options));
+  }
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
-  return {train_network(config.network, config.training, config.augmentation, training.samples,
-                        validation.samples, begun),
+  return {train_network(config.network, config.training, config.augmentation,
+                        {training.samples, things ? &things->samples : nullptr}, validation.samples, begun),
           training.frames, validation.frames};
 }
 

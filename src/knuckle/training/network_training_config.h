@@ -17,6 +17,7 @@ struct NetworkSampleOptions {
   int most = 0;             ///< Frames of `source` used at most, evenly spread, [0, 1e9]; 0: all
   int most_validation = 0;  ///< The same of `validation`
   int crop_px = 144;        ///< Size that is kept of each hand, so that views can turn and shift, [2, 4096]
+  int most_things = 0;      ///< Frames of `source` that things which look like hands are cut out of; 0: none
   std::string centre = "segmentation";  ///< segmentation | joints: what a hand is cut out around
   double memory_gb = 8.0;               ///< More than that is an error, (0, 10000]
 
@@ -29,6 +30,7 @@ struct NetworkSampleOptions {
 ///     source = "synthetic:../manifests/train_network.toml"  # any source; a relative path starts here
 ///     validation = "synthetic:../manifests/validate_network.toml"  # frames that are not trained on
 ///     initial = "../models/dense.pt"  # begin with its weights; without this line with random ones
+///     detector = "../models/detector.pt"  # finds things that look like hands, for most_things
 ///     start = "nearest"             # nearest | truth: where segmentation starts
 ///     [hand]                        # as in a pipeline file
 ///     [segmentation]
@@ -41,6 +43,7 @@ struct NetworkTrainingConfig {
   std::string source;
   std::string validation;
   std::filesystem::path initial;  ///< empty: random weights
+  std::filesystem::path detector;
   Start start = Start::nearest;
   HandFinder finder;
   Inputs segmentation;  ///< what `finder` was made from

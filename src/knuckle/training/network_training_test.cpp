@@ -45,7 +45,7 @@ class NetworkTraining : public ::testing::Test {
 
   std::vector<TrainingMetrics> train(const NetworkTrainingOptions& options, const NetworkTrainingRun& files,
                                      const NetworkOptions& network = small_network()) const {
-    return train_network(network, options, {}, training_, validation_, files);
+    return train_network(network, options, {}, {training_}, validation_, files);
   }
 
   /// All weights and statistics of a checkpoint.
@@ -163,7 +163,7 @@ TEST_F(NetworkTraining, DenseLearns32SamplesByHeart) {
   options.learning_rate.learning_rate = 1e-2;
   options.average_decay = 0.9;
   const CubeSamples samples = made_up_samples(32);
-  const auto metrics = train_network(small_network(), options, no_augmentation(), samples, samples, run());
+  const auto metrics = train_network(small_network(), options, no_augmentation(), {samples}, samples, run());
   EXPECT_LT(metrics.back().validation[kFirstLook], 1.0);
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
 }
@@ -181,6 +181,33 @@ TEST_P(EveryArchitecture, BeginsWithTheWeightsOfAModel) {
     if (array.precision != NetworkArray::Precision::half) continue;
     EXPECT_EQ(begun.floats(array.name), expected.floats(array.name)) << array.name;  // -0 is 0
   }
+}
+
+TEST_F(NetworkTraining, BeginsWithTheWeightsOfAModelThatTellsLess) {
+  train(short_training(), run("first"));
+  NetworkOptions telling = small_network();
+  telling.dense.tells_side = true;
+  AugmentationOptions mirrors = no_augmentation();
+  mirrors.mirrored_share = 0.5;
+  NetworkTrainingOptions still = short_training();
+  still.learning_rate.learning_rate = 1e-12;
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  const CubeSamples samples = made_up_samples(8);
+  train_network(telling, still, mirrors, {samples}, samples, second);
+  const NetworkWeights expected = load_network_weights(folder_ / "first.pt");
+  const NetworkWeights begun = load_network_weights(folder_ / "second.pt");
+  for (const NetworkArray& array : expected.arrays()) {
+    if (array.precision != NetworkArray::Precision::half) continue;
+    std::vector<float> first_rows = begun.floats(array.name);
+    EXPECT_EQ(first_rows.size() > expected.floats(array.name).size(),
+              array.name.starts_with("head.w") || array.name.starts_with("head.b"));
+    first_rows.resize(expected.floats(array.name).size());
+    EXPECT_EQ(first_rows, expected.floats(array.name)) << array.name;
+  }
+  NetworkTrainingRun third = run("third");
+  third.initial = folder_ / "second.pt";
+  EXPECT_THAT(error_of([&] { train(short_training(), third); }), HasSubstr("[network] or [patch] differs"));
 }
 
 TEST_F(NetworkTraining, RefusesToBeginWithAModelOfAnotherKind) {
@@ -204,7 +231,7 @@ TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {
               AllOf(HasSubstr("net.checkpoint"), HasSubstr("other options")));
   options = short_training();
   const CubeSamples more = made_up_samples(9);
-  EXPECT_THAT(error_of([&] { train_network(small_network(), options, {}, more, validation_, again); }),
+  EXPECT_THAT(error_of([&] { train_network(small_network(), options, {}, {more}, validation_, again); }),
               HasSubstr("another number of samples"));
   EXPECT_THAT(error_of([&] { train(options, run("none", Begin::from_checkpoint)); }),
               AllOf(HasSubstr("none.checkpoint"), HasSubstr("no such file")));
@@ -291,9 +318,9 @@ TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
   EXPECT_THAT(fault([](auto& o) { o.learning_rate.warm_up = 2; }), HasSubstr("warm_up"));
   const CubeSamples none = made_up_samples(0);
   EXPECT_THAT(
-      error_of([&] { train_network(small_network(), short_training(), {}, none, validation_, run()); }),
+      error_of([&] { train_network(small_network(), short_training(), {}, {none}, validation_, run()); }),
       HasSubstr("no sample to train on"));
-  EXPECT_THAT(error_of([&] { train_network(small_network(), short_training(), {}, training_, none, run()); }),
+  EXPECT_THAT(error_of([&] { train_network(small_network(), short_training(), {}, {training_}, none, run()); }),
               HasSubstr("no sample to validate on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "net.pt"));
 }

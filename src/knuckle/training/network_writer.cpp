@@ -64,7 +64,8 @@ void set_weights(TrainableModule& network, const WeightArrays& weights) {
     const torch::Tensor& target = is_half ? parameters[array.name] : buffers[array.name];
     const torch::Tensor values = is_half ? as_tensor(weights.halves(array.name), torch::kHalf)
                                          : as_tensor(weights.singles(array.name), torch::kFloat);
-    target.copy_(values.view(target.sizes()));
+    const std::vector<int64_t> shape(array.shape.begin(), array.shape.end());
+    target.narrow(0, 0, shape.front()).copy_(values.view(shape));
   }
 }
 

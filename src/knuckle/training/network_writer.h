@@ -16,7 +16,8 @@ void copy_weights(const TrainableModule& network, WeightArrays& weights);
 /// The numbers of a network that infers poses.
 NetworkWeights weights_of(const NetworkOptions& options, const NetworkModule& network);
 
-/// The other way: sets all that is stored. The network is that of the weights' options.
+/// The other way: sets all that is stored. The network is that of the weights' options, or has more maps:
+/// those behind the known ones stay as they are.
 void set_weights(TrainableModule& network, const WeightArrays& weights);
 
 /// Writes a network for inference (net/network_file.h).

@@ -9,11 +9,29 @@
 
 namespace knuckle {
 
+namespace {
+
+/// Whether the maps of one network are the first of the other's, and all else is the same.
+bool begins(NetworkOptions known, const NetworkOptions& options) {
+  const DenseNetworkOptions& wanted = options.dense;
+  const bool tells_the_same_side = known.dense.tells_side == wanted.tells_side;
+  const bool tells_neither = !known.dense.tells_side && !known.dense.tells_hand;
+  if (!tells_neither && !(tells_the_same_side && (wanted.tells_hand || !known.dense.tells_hand)))
+    return false;
+  known.dense.tells_side = wanted.tells_side;
+  known.dense.tells_hand = wanted.tells_hand;
+  return network_options_as_toml(known) == network_options_as_toml(options);
+}
+
+}  // namespace
+
 PoseTrainingTask::PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                                   const CubeSamples& training, const CubeSamples& validation)
+                                   const TrainingCrops& training, const CubeSamples& validation)
     : options_(network),
       augmentation_(augmentation),
-      views_(std::make_shared<const CubeSampleViews>(training, augmentation, network.dense.tells_side)),
+      views_(std::make_shared<const CubeSampleViews>(
+          training, augmentation,
+          PatchQuestions{.side = network.dense.tells_side, .hand = network.dense.tells_hand})),
       validation_(validation) {}
 
 std::shared_ptr<TrainableModule> PoseTrainingTask::make_module(std::uint64_t seed) const {
@@ -30,7 +48,7 @@ void PoseTrainingTask::save(const std::filesystem::path& path, const TrainableMo
 
 void PoseTrainingTask::load(const std::filesystem::path& path, TrainableModule& network) const {
   const NetworkWeights weights = load_network_weights(path);
-  if (network_options_as_toml(weights.options()) != network_options_as_toml(options_)) {
+  if (!begins(weights.options(), options_)) {
     fail("{}: training cannot begin with it: its [network] or [patch] differs from the configuration's",
          path.string());
   }

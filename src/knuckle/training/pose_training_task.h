@@ -3,6 +3,7 @@
 #pragma once
 
 #include "knuckle/net/network_options.h"
+#include "knuckle/training/sample_views.h"
 #include "knuckle/training/training_task.h"
 
 namespace knuckle {
@@ -10,14 +11,15 @@ namespace knuckle {
 /// The training of a network that infers poses from patches.
 class PoseTrainingTask final : public TrainingTask {
  public:
-  /// Both sets of samples have to live as long as this.
+  /// All samples have to live as long as this.
   PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                   const CubeSamples& training, const CubeSamples& validation);
+                   const TrainingCrops& training, const CubeSamples& validation);
 
   std::shared_ptr<TrainableModule> make_module(std::uint64_t seed) const override;
   std::shared_ptr<const SampleViews> views() const override { return views_; }
   std::vector<double> validate(TrainableModule& network, const torch::Device& device) const override;
   void save(const std::filesystem::path& path, const TrainableModule& network) const override;
+  /// The file's network may tell less than this one: what it does not know begins with random weights.
   void load(const std::filesystem::path& path, TrainableModule& network) const override;
   std::string identity(const std::string& training) const override;
 

@@ -79,6 +79,10 @@ std::vector<NetworkCase> cases() {
   cases.push_back({"dense_odd", odd});
   odd.dense.tells_side = true;
   cases.push_back({"dense_with_side", odd});
+  odd.dense.tells_hand = true;
+  cases.push_back({"dense_with_side_and_hand", odd});
+  odd.dense.tells_side = false;
+  cases.push_back({"dense_with_hand", odd});
   odd.architecture = "heatmap25d";
   odd.paper = {.first_maps = 3,
                .second_maps = 5,
@@ -119,6 +123,10 @@ TEST_P(SameAnswers, InTrainingAndInUse) {
     ASSERT_EQ(found.right_hand.has_value(), expected.right_hand.defined());
     if (found.right_hand) {
       EXPECT_NEAR(*found.right_hand, expected.right_hand[0].item<float>(), 1e-3);
+    }
+    ASSERT_EQ(found.hand.has_value(), expected.hand.defined());
+    if (found.hand) {
+      EXPECT_NEAR(*found.hand, expected.hand[0].item<float>(), 1e-3);
     }
     ASSERT_EQ(!found.confidence.empty(), expected.confidence.defined());
     for (std::size_t j = 0; j < found.confidence.size(); ++j) {

@@ -27,25 +27,39 @@ class SampleViews {
                     std::span<float> target) const = 0;
 };
 
-/// Views of cut-out hands. `input`: 1 x size x size; `target`: J x 3 joints in patch coordinates, NaN where
-/// not known. For a network that tells sides there is one row more, whose first number is 1, or 0 in a view
-/// in a mirror, of which no joint is known: poses are learned of right hands alone.
+/// What a network learns of a patch beside joints.
+struct PatchQuestions {
+  bool side = false;  ///< whether the hand is a right one
+  bool hand = false;  ///< whether there is a hand
+};
+
+/// What poses are learned from. All has to live as long as a training.
+struct TrainingCrops {
+  const CubeSamples& hands;
+  const CubeSamples* things = nullptr;  ///< of the same sizes; none of their joints is known
+};
+
+/// Views of cut-out hands, then of things. `input`: 1 x size x size; `target`: J x 3 joints in patch
+/// coordinates, NaN where not known, then a row for each question, all of whose numbers are the answer. In
+/// some views hands are seen in a mirror, as left ones, of which no joint is known: poses are learned of
+/// right hands alone. The side of a thing is NaN.
 class CubeSampleViews final : public SampleViews {
  public:
-  /// `samples` has to live as long as this. Throws an Error where an option is out of range.
-  CubeSampleViews(const CubeSamples& samples, const AugmentationOptions& augmentation,
-                  bool tells_side = false);
+  /// Throws an Error where an option is out of range, or there is nothing from which a question can be
+  /// learned.
+  CubeSampleViews(const TrainingCrops& crops, const AugmentationOptions& augmentation,
+                  const PatchQuestions& questions = {});
 
-  std::int64_t size() const override { return samples_.size(); }
+  std::int64_t size() const override;
   std::vector<std::int64_t> input_shape() const override;
   std::vector<std::int64_t> target_shape() const override;
   void view(std::int64_t index, Random& random, std::span<float> input,
             std::span<float> target) const override;
 
  private:
-  const CubeSamples& samples_;
+  TrainingCrops crops_;
   AugmentationOptions augmentation_;
-  bool tells_side_;
+  PatchQuestions questions_;
 };
 
 }  // namespace knuckle
