@@ -33,7 +33,8 @@ class KnownPose final : public Estimator {
     // Its mean is what counts, not its first.
     return {std::vector<PatchPoint>(14, PatchPoint{name_, 0.0, 0.0}),
             {confidence_ - 0.2f, confidence_ + 0.2f},
-            right_hand_};
+            right_hand_,
+            right_hand_ ? std::optional(0.5 * *right_hand_) : std::nullopt};
   }
 
  private:
@@ -86,6 +87,19 @@ TEST(SurestEstimator, WhoCannotTellTheSideLeavesItToTheOthers) {
   EXPECT_EQ(surest_of(three(0.6f, 0.5f, 0.4f), options).right_hand, 0.9);
   EXPECT_EQ(surest_of(three(0.4f, 0.5f, 0.6f), options).right_hand, 0.2);
   EXPECT_EQ(surest_of(three(0.7f, 0.5f, 0.4f), {.enough = 0.65}).right_hand, std::nullopt);
+  EXPECT_EQ(surest_of(three(0.6f, 0.5f, 0.4f), options).hand, 0.45) << "and whether it is a hand";
+  EXPECT_EQ(surest_of(three(0.4f, 0.5f, 0.6f), options).hand, 0.1);
+  EXPECT_EQ(surest_of(three(0.7f, 0.5f, 0.4f), {.enough = 0.65}).hand, std::nullopt);
+}
+
+TEST(SurestEstimator, WhatAnEarlierOneToldIsKept) {
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  estimators.push_back(std::make_unique<KnownPose>(1.0, 0.4f, 0.8));
+  estimators.push_back(std::make_unique<KnownPose>(2.0, 0.6f, std::nullopt));
+  const PatchPose pose = surest_of(std::move(estimators));
+  EXPECT_EQ(pose.joints[0].u, 2.0);
+  EXPECT_EQ(pose.right_hand, 0.8);
+  EXPECT_EQ(pose.hand, 0.4);
 }
 
 TEST(SurestEstimator, WhatDoesNotBelongTogetherIsRefused) {

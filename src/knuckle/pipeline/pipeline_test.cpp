@@ -469,6 +469,31 @@ TEST(PipelineFromParts, AHandIsAsSureAsItsPoseAndByHalfAsItsPlace) {
   EXPECT_DOUBLE_EQ(score(0.25), 0.25);
 }
 
+/// Says how likely what it sees is a hand.
+class DoubtingEstimator final : public Estimator {
+ public:
+  explicit DoubtingEstimator(double hand) : hand_(hand) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = corner_.estimate(patch);
+    pose.hand = hand_;
+    return pose;
+  }
+
+ private:
+  CornerEstimator corner_;
+  double hand_;
+};
+
+TEST(PipelineFromParts, AHandIsAsSureAsThatItIsOne) {
+  for (const double likely : {1.0, 0.25, 0.0}) {
+    const Pipeline pipeline({HandFinder(std::make_unique<LikelySegmenter>(std::nullopt), {}),
+                             std::make_unique<DoubtingEstimator>(likely)});
+    EXPECT_DOUBLE_EQ(pipeline.estimate(plate()).hands.at(0).score, 0.5 * likely);
+  }
+}
+
 /// Fits a skeleton, as it says, and lowers the first joint by 1 mm.
 class FittingRefiner final : public Refiner {
  public:
