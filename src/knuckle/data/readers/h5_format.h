@@ -30,6 +30,18 @@ inline constexpr std::string_view kH5Time = "time_s";
 /// 0.
 inline constexpr std::string_view kH5Sequence = "sequence";
 
+/// N x H x W uint8, a PixelLabel each; may be missing.
+inline constexpr std::string_view kH5Labels = "labels";
+// All hands in view, frame by frame, M in all; these arrays may be missing, all together.
+/// N int64: how many of the M belong to this frame and those before.
+inline constexpr std::string_view kH5HandsEnd = "hands_end";
+inline constexpr std::string_view kH5HandsSide = "hands_side";         ///< M int8, as `side`
+inline constexpr std::string_view kH5HandsJoints = "hands_joints_mm";  ///< M x 22 x 3 float32, as `joints_mm`
+/// M x 22 uint8, an Occluder each: what lies before the landmark.
+inline constexpr std::string_view kH5HandsOccluders = "hands_occluders";
+/// M float64: the part of a hand's pixels that nothing else hides, [0, 1].
+inline constexpr std::string_view kH5HandsVisible = "hands_visible_share";
+
 /// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
 /// The newest version that is known; 2 added the intrinsics of each frame.

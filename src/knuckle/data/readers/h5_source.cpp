@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/h5_source.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -56,7 +57,8 @@ H5Source::H5Source(const std::filesystem::path& path)
       has_mask_(file_.has(kH5Mask)),
       has_joints_(file_.has(kH5Joints)),
       has_intrinsics_(file_.has(kH5Intrinsics)),
-      has_side_(file_.has(kH5Side)) {
+      has_side_(file_.has(kH5Side)),
+      has_labels_(file_.has(kH5Labels)) {
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
@@ -68,10 +70,30 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_joints_) require_shape(kH5Joints, {count, kSupersetSize, 3});
   if (has_intrinsics_) require_shape(kH5Intrinsics, {count, kIntrinsicsPerFrame});
   if (has_side_) require_shape(kH5Side, {count});
+  if (has_labels_) require_shape(kH5Labels, images);
   if (file_.has(kH5Time)) require_shape(kH5Time, {count});
   if (file_.has(kH5Sequence)) require_shape(kH5Sequence, {count});
   size_ = static_cast<std::int64_t>(count);
   timeline_ = read_timeline();
+  if (file_.has(kH5HandsEnd)) read_hands_ends();
+}
+
+void H5Source::read_hands_ends() {
+  require_shape(kH5HandsEnd, {static_cast<std::uint64_t>(size_)});
+  hands_ends_ = file_.read<std::int64_t>(kH5HandsEnd).values;
+  std::int64_t before = 0;
+  for (const std::int64_t end : hands_ends_) {
+    if (end < before || end - before > limits::kHands) {
+      fail("{}: {}: a frame has {} hands, expected 0 to {}", file_.path().string(), kH5HandsEnd, end - before,
+           limits::kHands);
+    }
+    before = end;
+  }
+  const auto count = static_cast<std::uint64_t>(before);
+  require_shape(kH5HandsSide, {count});
+  require_shape(kH5HandsJoints, {count, kSupersetSize, 3});
+  require_shape(kH5HandsOccluders, {count, kSupersetSize});
+  require_shape(kH5HandsVisible, {count});
 }
 
 /// What is read of a file that somebody writes to may be half old and half new.
@@ -143,6 +165,53 @@ std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
   return side_of(code, fmt::format("{}: frame {}", file_.path().string(), row));
 }
 
+Image<std::uint8_t> H5Source::read_labels(std::uint64_t row) const {
+  Image<std::uint8_t> labels(camera_.width, camera_.height);
+  file_.read_rows(kH5Labels, row, 1, labels.data());
+  constexpr auto kLast = static_cast<std::uint8_t>(PixelLabel::object);
+  const auto worst = std::ranges::max(labels.pixels());
+  if (worst > kLast) {
+    fail("{}: {}: frame {}: a pixel has the label {}, expected 0 to {}", file_.path().string(), kH5Labels,
+         row, worst, kLast);
+  }
+  return labels;
+}
+
+std::vector<HandTruth> H5Source::read_hands(std::uint64_t row, const Projection& projection) const {
+  std::vector<HandTruth> hands;
+  const std::string where = fmt::format("{}: frame {}", file_.path().string(), row);
+  const std::int64_t first = row == 0 ? 0 : hands_ends_[row - 1];
+  for (std::int64_t hand = first; hand < hands_ends_[row]; ++hand)
+    hands.push_back(read_hand(static_cast<std::uint64_t>(hand), projection, where));
+  return hands;
+}
+
+HandTruth H5Source::read_hand(std::uint64_t hand, const Projection& projection,
+                              const std::string& where) const {
+  HandTruth truth;
+  std::int8_t side = 0;
+  file_.read_rows(kH5HandsSide, hand, 1, &side);
+  const std::optional<HandSide> known_side = side_of(side, where);
+  if (!known_side) fail("{}: one of its hands has no side", where);
+  truth.side = *known_side;
+  std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};
+  file_.read_rows(kH5HandsJoints, hand, 1, joints_mm.data());
+  const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
+  truth.pose = pose_from_camera(superset_convention(), xyz, projection);
+  std::array<std::uint8_t, kSupersetSize> occluders{};
+  file_.read_rows(kH5HandsOccluders, hand, 1, occluders.data());
+  for (const std::uint8_t occluder : occluders) {
+    if (occluder > static_cast<std::uint8_t>(Occluder::border))
+      fail("{}: {}: holds {}, expected 0 to {}", where, kH5HandsOccluders, occluder,
+           static_cast<int>(Occluder::border));
+    truth.occluders.push_back(static_cast<Occluder>(occluder));
+  }
+  file_.read_rows(kH5HandsVisible, hand, 1, &truth.visible_share);
+  if (!(truth.visible_share >= 0.0 && truth.visible_share <= 1.0))
+    fail("{}: {}: is {}, expected 0 to 1", where, kH5HandsVisible, truth.visible_share);
+  return truth;
+}
+
 std::string H5Source::name_of(std::int64_t index) const {
   return fmt::format("{:08}", first_index_ + index);
 }
@@ -173,6 +242,8 @@ Frame H5Source::read(std::int64_t index) const {
     file_.read_rows(kH5Mask, row, 1, frame.mask.data());
     frame.mask = mask_from_pixels(std::move(frame.mask));
   }
+  if (has_labels_) frame.labels = read_labels(row);
+  if (!hands_ends_.empty()) frame.hands = read_hands(row, Projection(frame.camera));
   frame.truth = read_truth(row, frame.camera);
   frame.side = read_side(row);
   frame.time_s = timeline_.time_s(index);

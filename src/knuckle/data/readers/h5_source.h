@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "knuckle/camera/projection.h"
 #include "knuckle/data/frame_source.h"
 #include "knuckle/data/readers/timeline.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
@@ -33,6 +34,10 @@ class H5Source final : public FrameSource {
   Camera read_frame_camera(std::uint64_t row) const;
   std::optional<HandSide> read_side(std::uint64_t row) const;
   std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
+  void read_hands_ends();
+  Image<std::uint8_t> read_labels(std::uint64_t row) const;
+  std::vector<HandTruth> read_hands(std::uint64_t row, const Projection& projection) const;
+  HandTruth read_hand(std::uint64_t hand, const Projection& projection, const std::string& where) const;
 
   Hdf5File file_;
   std::uintmax_t bytes_;  ///< of the file as it was opened
@@ -45,6 +50,8 @@ class H5Source final : public FrameSource {
   bool has_joints_;
   bool has_intrinsics_;
   bool has_side_;
+  bool has_labels_;
+  std::vector<std::int64_t> hands_ends_;  ///< of each frame; empty where hands are not known
   Timeline timeline_;
 };
 

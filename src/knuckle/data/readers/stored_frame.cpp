@@ -21,14 +21,14 @@ struct Head {
   double time_s;
   std::int32_t sequence;
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm;
-  std::array<std::uint64_t, 3> sizes;  ///< of depth, infrared, mask [bytes]
+  std::array<std::uint64_t, 4> sizes;  ///< of depth, infrared, mask, labels [bytes]
+  std::uint64_t hands;                 ///< their number; they follow the images
 };
-static_assert(std::is_trivially_copyable_v<Head>);
+static_assert(std::is_trivially_copyable_v<Head> && std::is_trivially_copyable_v<StoredHand>);
 
-std::array<float, std::size_t{kSupersetSize} * 3> joints_in_camera(const Frame& frame) {
-  const HandPose missing = HandPose::missing(superset_convention());
-  const HandPose pose = frame.truth ? converted(*frame.truth, superset_convention()) : missing;
-  const Projection projection(frame.camera);
+std::array<float, std::size_t{kSupersetSize} * 3> joints_in_camera(const HandPose& truth,
+                                                                   const Projection& projection) {
+  const HandPose pose = converted(truth, superset_convention());
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm;
   auto* value = joints_mm.begin();
   for (const ImagePoint& joint : pose.joints) {
@@ -36,6 +36,20 @@ std::array<float, std::size_t{kSupersetSize} * 3> joints_in_camera(const Frame& 
     for (const double coordinate : point) *value++ = static_cast<float>(coordinate);
   }
   return joints_mm;
+}
+
+StoredHand stored_hand(const HandTruth& hand, const Projection& projection) {
+  StoredHand stored;
+  stored.side = code_of(hand.side);
+  stored.joints_mm = joints_in_camera(hand.pose, projection);
+  stored.visible_share = hand.visible_share;
+  const std::vector<int> places = map_convention(hand.pose.convention, superset_convention()).source_index;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool is_known = places[i] >= 0 && places[i] < std::ssize(hand.occluders);
+    if (is_known)
+      stored.occluders[i] = static_cast<std::uint8_t>(hand.occluders[static_cast<std::size_t>(places[i])]);
+  }
+  return stored;
 }
 
 /// Low and high bytes are coded apart.
@@ -46,28 +60,34 @@ std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& image) {
 }  // namespace
 
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where) {
-  StoredFrame stored{frame.camera,
-                     code_of(frame.side),
-                     frame.time_s.value_or(kNaN),
-                     frame.sequence,
-                     joints_in_camera(frame),
-                     {},
-                     {},
-                     {}};
+  const Projection projection(frame.camera);
+  StoredFrame stored;
+  stored.camera = frame.camera;
+  stored.side = code_of(frame.side);
+  stored.time_s = frame.time_s.value_or(kNaN);
+  stored.sequence = frame.sequence;
+  stored.joints_mm =
+      joints_in_camera(frame.truth.value_or(HandPose::missing(superset_convention())), projection);
   stored.depth = chunk_of(counts_from_depth(frame.depth_mm, depth_unit_mm, where));
   if (!frame.infrared.empty()) stored.infrared = chunk_of(frame.infrared);
   if (!frame.mask.empty()) stored.mask = deflated(mask_from_pixels(frame.mask).pixels());
+  if (!frame.labels.empty()) stored.labels = deflated(frame.labels.pixels());
+  for (const HandTruth& hand : frame.hands) stored.hands.push_back(stored_hand(hand, projection));
   return stored;
 }
 
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame) {
-  const Head head{frame.camera,    frame.side,
-                  frame.time_s,    frame.sequence,
-                  frame.joints_mm, {frame.depth.size(), frame.infrared.size(), frame.mask.size()}};
+  const Head head{
+      frame.camera,      frame.side,
+      frame.time_s,      frame.sequence,
+      frame.joints_mm,   {frame.depth.size(), frame.infrared.size(), frame.mask.size(), frame.labels.size()},
+      frame.hands.size()};
   std::vector<std::uint8_t> bytes(sizeof(head));
   std::memcpy(bytes.data(), &head, sizeof(head));
-  for (const auto* image : {&frame.depth, &frame.infrared, &frame.mask})
+  for (const auto* image : {&frame.depth, &frame.infrared, &frame.mask, &frame.labels})
     bytes.insert(bytes.end(), image->begin(), image->end());
+  const auto* const hands = reinterpret_cast<const std::uint8_t*>(frame.hands.data());
+  bytes.insert(bytes.end(), hands, hands + frame.hands.size() * sizeof(StoredHand));
   return bytes;
 }
 
@@ -75,13 +95,19 @@ StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes) {
   Head head{};
   assert(bytes.size() >= sizeof(head));
   std::memcpy(&head, bytes.data(), sizeof(head));
-  StoredFrame frame{head.camera, head.side, head.time_s, head.sequence, head.joints_mm, {}, {}, {}};
+  StoredFrame frame{.camera = head.camera,
+                    .side = head.side,
+                    .time_s = head.time_s,
+                    .sequence = head.sequence,
+                    .joints_mm = head.joints_mm};
   const std::uint8_t* place = bytes.data() + sizeof(head);
   std::size_t image = 0;
-  for (auto* pixels : {&frame.depth, &frame.infrared, &frame.mask}) {
+  for (auto* pixels : {&frame.depth, &frame.infrared, &frame.mask, &frame.labels}) {
     pixels->assign(place, place + head.sizes[image]);
     place += head.sizes[image++];
   }
+  frame.hands.resize(head.hands);
+  std::memcpy(frame.hands.data(), place, head.hands * sizeof(StoredHand));
   return frame;
 }
 

@@ -11,6 +11,14 @@
 
 namespace knuckle {
 
+/// One of the hands in a frame, as it will stand in a Knuckle dataset.
+struct StoredHand {
+  std::int8_t side = 0;
+  std::array<std::uint8_t, kSupersetSize> occluders{};
+  std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};
+  double visible_share = 1.0;
+};
+
 /// A frame as it will stand in a Knuckle dataset: its images as chunks of the file, compressed.
 struct StoredFrame {
   Camera camera;
@@ -21,6 +29,8 @@ struct StoredFrame {
   std::vector<std::uint8_t> depth;                                ///< counts, shuffled and deflated
   std::vector<std::uint8_t> infrared;                             ///< the same; empty where there is none
   std::vector<std::uint8_t> mask;                                 ///< deflated; empty where there is none
+  std::vector<std::uint8_t> labels;                               ///< the same
+  std::vector<StoredHand> hands;                                  ///< all in view
 };
 
 /// Encodes a frame; the costly part of writing it. Throws an Error that starts with `where` where a depth

@@ -30,7 +30,9 @@ FrameLayout checked_layout(const Frame& frame, std::string_view where) {
   require_camera_size(frame.depth_mm, frame.camera, "depth", where);
   if (!frame.infrared.empty()) require_camera_size(frame.infrared, frame.camera, "infrared", where);
   if (!frame.mask.empty()) require_camera_size(frame.mask, frame.camera, "mask", where);
-  return {frame.camera, !frame.infrared.empty(), !frame.mask.empty(), frame.time_s.has_value()};
+  if (!frame.labels.empty()) require_camera_size(frame.labels, frame.camera, "label", where);
+  return {frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !frame.labels.empty(),
+          frame.time_s.has_value()};
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct FrameLayout {
   Camera camera;
   bool has_infrared = false;
   bool has_mask = false;
+  bool has_labels = false;
   bool has_time = false;
 
   bool operator==(const FrameLayout&) const = default;

@@ -114,6 +114,83 @@ TEST(H5, HoldsOrthographicCamerasAndOtherUnitsOfDepth) {
   testing::expect_near(read.depth_mm, frame.depth_mm, 0.1251);
 }
 
+/// A frame of as many hands as its number, and labels.
+Frame frame_of_hands(std::int64_t index) {
+  Frame frame = noisy_frame(index);
+  Random random(9, static_cast<std::uint64_t>(index));
+  frame.labels = Image<std::uint8_t>(frame.camera.width, frame.camera.height);
+  for (std::uint8_t& label : frame.labels.pixels()) label = static_cast<std::uint8_t>(random.below(5));
+  for (std::int64_t i = 0; i < index; ++i) {
+    HandTruth hand;
+    hand.side = (i + index) % 2 == 0 ? HandSide::left : HandSide::right;
+    hand.pose = *noisy_frame(100 + 10 * index + i).truth;
+    if (i == 1) hand.pose.joints[4] = ImagePoint{};
+    for (int joint = 0; joint < kSupersetSize; ++joint)
+      hand.occluders.push_back(static_cast<Occluder>(random.below(6)));
+    hand.visible_share = random.uniform();
+    frame.hands.push_back(hand);
+  }
+  return frame;
+}
+
+void write_hands(const fs::path& path) {
+  H5Writer writer(path, options_for(0, 4));
+  for (const std::int64_t i : {0, 3, 1, 2}) writer.write(i, frame_of_hands(i));
+  writer.finish();
+}
+
+TEST(H5, KeepsLabelsAndAllHandsOfAFrame) {
+  const testing::TemporaryFolder folder;
+  write_hands(folder / "a.h5");
+  EXPECT_EQ(Hdf5File::open(folder / "a.h5").read<std::int64_t>("hands_end").values,
+            (std::vector<std::int64_t>{0, 1, 3, 6}));
+  const H5Source source(folder / "a.h5");
+  for (std::int64_t i = 0; i < 4; ++i) {
+    const Frame expected = frame_of_hands(i);
+    const Frame actual = source.read(i);
+    EXPECT_EQ(actual.labels, expected.labels);
+    ASSERT_EQ(actual.hands.size(), expected.hands.size());
+    for (std::size_t k = 0; k < actual.hands.size(); ++k) {
+      EXPECT_EQ(actual.hands[k].side, expected.hands[k].side);
+      EXPECT_EQ(actual.hands[k].occluders, expected.hands[k].occluders);
+      EXPECT_EQ(actual.hands[k].visible_share, expected.hands[k].visible_share);
+      EXPECT_EQ(actual.hands[k].pose.joints[4].is_missing(), k == 1);
+      testing::expect_near(actual.hands[k].pose, expected.hands[k].pose, 1e-4, 1e-4);
+    }
+  }
+}
+
+TEST(H5, LabelsAndHandsThatCannotBeAreRefused) {
+  const testing::TemporaryFolder folder;
+  const auto fault_after = [&](const std::function<void(Hdf5Writer&)>& spoil) {
+    write_hands(folder / "a.h5");
+    Hdf5Writer file = Hdf5Writer::open(folder / "a.h5");
+    spoil(file);
+    file.close();
+    return error_of([&] {
+      const H5Source source(folder / "a.h5");
+      for (std::int64_t i = 0; i < 4; ++i) source.read(i);
+    });
+  };
+  const std::vector<std::uint8_t> nines(18 * 24, 9);
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("labels", 2, 1, nines.data()); }),
+              HasSubstr("a.h5: labels: frame 2: a pixel has the label 9, expected 0 to 4"));
+  const std::int64_t less = 0;
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_end", 2, 1, &less); }),
+              HasSubstr("hands_end: a frame has -1 hands"));
+  const std::int64_t more = 7;
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_end", 3, 1, &more); }),
+              HasSubstr("hands_side: has the shape 6, expected 7"));
+  const std::int8_t unknown = -1;
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_side", 2, 1, &unknown); }),
+              HasSubstr("frame 2: one of its hands has no side"));
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_occluders", 5, 1, nines.data()); }),
+              HasSubstr("frame 3: hands_occluders: holds 9, expected 0 to 5"));
+  const double two = 2.0;
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_visible_share", 0, 1, &two); }),
+              HasSubstr("frame 1: hands_visible_share: is 2"));
+}
+
 TEST(H5, KeepsWhatHasNoTimes) {
   const testing::TemporaryFolder folder;
   Frame frame = noisy_frame(0);

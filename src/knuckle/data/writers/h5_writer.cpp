@@ -33,7 +33,7 @@ fs::path log_path(const fs::path& path, const FrameWriterOptions& options) {
 
 /// All that the frames of a run depend on.
 std::string identity_of(const FrameWriterOptions& options) {
-  return fmt::format("first {}\ncount {}\ndepth_unit_mm {}\n{}", options.first, options.count,
+  return fmt::format("with hands and labels\nfirst {}\ncount {}\ndepth_unit_mm {}\n{}", options.first, options.count,
                      options.depth_unit_mm, options.manifest);
 }
 
@@ -69,6 +69,37 @@ class RowBlock {
   std::vector<T> values_;
 };
 
+/// All hands of all frames: 300 bytes each.
+class HandsOfFrames {
+ public:
+  void add(const std::vector<StoredHand>& hands) {
+    for (const StoredHand& hand : hands) {
+      sides_.push_back(hand.side);
+      joints_mm_.insert(joints_mm_.end(), hand.joints_mm.begin(), hand.joints_mm.end());
+      occluders_.insert(occluders_.end(), hand.occluders.begin(), hand.occluders.end());
+      visible_shares_.push_back(hand.visible_share);
+    }
+    ends_.push_back(std::ssize(sides_));
+  }
+  /// Nothing where no frame has a hand.
+  void write(Hdf5Writer& file) const {
+    if (sides_.empty()) return;
+    const std::uint64_t count = sides_.size();
+    file.write(kH5HandsEnd, {ends_.size()}, ends_.data());
+    file.write(kH5HandsSide, {count}, sides_.data());
+    file.write(kH5HandsJoints, {count, kSupersetSize, 3}, joints_mm_.data());
+    file.write(kH5HandsOccluders, {count, kSupersetSize}, occluders_.data());
+    file.write(kH5HandsVisible, {count}, visible_shares_.data());
+  }
+
+ private:
+  std::vector<std::int64_t> ends_;
+  std::vector<std::int8_t> sides_;
+  std::vector<float> joints_mm_;
+  std::vector<std::uint8_t> occluders_;
+  std::vector<double> visible_shares_;
+};
+
 }  // namespace
 
 void write_camera(Hdf5Writer& file, const Camera& camera) {
@@ -96,7 +127,8 @@ void H5Writer::restore() {
   const std::vector<std::int64_t> indices = log_.indices();
   if (indices.empty()) return;
   const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
-  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !std::isnan(frame.time_s)},
+  ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !frame.labels.empty(),
+                   !std::isnan(frame.time_s)},
                   {indices.begin(), indices.end()});
 }
 
@@ -116,6 +148,7 @@ void H5Writer::create_arrays(Hdf5Writer& file) const {
   file.create_dataset<std::uint16_t>(kH5Depth, images, kOneFramePerChunk);
   if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kOneFramePerChunk);
   if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kOneFramePerChunk);
+  if (layout.has_labels) file.create_dataset<std::uint8_t>(kH5Labels, images, kOneFramePerChunk);
   file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
   file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
   file.create_dataset<std::int8_t>(kH5Side, {count}, {});
@@ -137,6 +170,7 @@ void H5Writer::write_frames(Hdf5Writer& file) const {
   RowBlock<float> joints(file, kH5Joints);
   RowBlock<double> intrinsics(file, kH5Intrinsics);
   RowBlock<std::int8_t> sides(file, kH5Side);
+  HandsOfFrames hands;
   Timeline timeline;
   Progress progress("assemble", "frames", options_.count);
   for (std::int64_t first = 0; first < options_.count; first += kFramesAtOnce) {
@@ -146,6 +180,8 @@ void H5Writer::write_frames(Hdf5Writer& file) const {
       file.write_chunk(kH5Depth, row, frame.depth);
       if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
       if (!frame.mask.empty()) file.write_chunk(kH5Mask, row, frame.mask);
+      if (!frame.labels.empty()) file.write_chunk(kH5Labels, row, frame.labels);
+      hands.add(frame.hands);
       joints.add(frame.joints_mm);
       intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
       sides.add(std::array{frame.side});
@@ -157,6 +193,7 @@ void H5Writer::write_frames(Hdf5Writer& file) const {
   joints.write();
   intrinsics.write();
   sides.write();
+  hands.write(file);
   write_timeline(file, timeline);
 }
 
