@@ -37,6 +37,7 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"segment"},
                                                {"shrink"},
                                                {"estimate"},
+                                               {"live"},
                                                {"landmarks"},
                                                {"evaluate"},
                                                {"experiment"},

@@ -45,6 +45,13 @@ TEST(HandCollision, AThumbMayLieAtThePalmButNotInIt) {
   thumb(Landmark::thumb_tip) = {-60, 60, 40};
   const double both = worst_penetration_mm(points);
   EXPECT_GT(both, 10.0);
+  // The middle phalanx alone goes through the palm.
+  thumb(Landmark::thumb_cmc) = {30, 20, 60};
+  thumb(Landmark::thumb_mcp) = {0, 60, 40};
+  thumb(Landmark::thumb_ip) = {0, 60, -40};
+  thumb(Landmark::thumb_tip) = {0, 60, -80};
+  EXPECT_GT(worst_penetration_mm(points), 10.0);
+  thumb(Landmark::thumb_cmc) = {25, 10, 30};
   thumb(Landmark::thumb_ip) = {60, 60, 40};
   thumb(Landmark::thumb_tip) = {60, 80, 50};
   EXPECT_EQ(worst_penetration_mm(points), 0.0);

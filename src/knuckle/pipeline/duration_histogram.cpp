@@ -29,12 +29,13 @@ void DurationHistogram::add(double duration_ms) {
   ++count_;
 }
 
-std::optional<double> DurationHistogram::median_ms() const {
+std::optional<double> DurationHistogram::percentile_ms(double percent) const {
   if (count_ == 0) return std::nullopt;
+  const auto wanted = static_cast<std::int64_t>(0.01 * percent * static_cast<double>(count_));
   std::int64_t below = 0;
   for (int number = 0;; ++number) {
     below += counts_[static_cast<std::size_t>(number)];
-    if (below > count_ / 2) return middle_of(number);
+    if (below > wanted) return middle_of(number);
   }
 }
 

@@ -17,7 +17,9 @@ class DurationHistogram {
   void add(double duration_ms);
   std::int64_t count() const { return count_; }
   /// The median [ms] (of an even number the upper of the middle two); nothing where nothing was counted.
-  std::optional<double> median_ms() const;
+  std::optional<double> median_ms() const { return percentile_ms(50.0); }
+  /// What so many per cent, [0, 100), of the durations do not exceed [ms].
+  std::optional<double> percentile_ms(double percent) const;
 
  private:
   std::vector<std::uint32_t> counts_;

@@ -27,6 +27,14 @@ TEST(DurationHistogramTest, ItsMedianIsThatOfTheSortedDurations) {
   }
 }
 
+TEST(DurationHistogramTest, APercentileIsWhatSoManyDoNotExceed) {
+  DurationHistogram histogram;
+  EXPECT_FALSE(histogram.percentile_ms(99.0));
+  for (int i = 1; i <= 1000; ++i) histogram.add(i);
+  for (const double percent : {0.0, 10.0, 50.0, 99.0})
+    EXPECT_NEAR(*histogram.percentile_ms(percent), 10.0 * percent + 1.0, 1.1e-3 * (10.0 * percent + 1.0));
+}
+
 TEST(DurationHistogramTest, ExtremesCountInTheOutermostClasses) {
   DurationHistogram histogram;
   EXPECT_FALSE(histogram.median_ms());

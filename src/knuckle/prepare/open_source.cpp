@@ -2,9 +2,11 @@
 #include "knuckle/prepare/open_source.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/named_table.h"
+#include "knuckle/data/played_stream.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/synth/synthetic_source.h"
 
@@ -23,14 +25,29 @@ std::vector<DatasetKind> all_kinds() {
   return kinds;
 }
 
+std::unique_ptr<FrameSource> open_source_of(const SourceSpec& spec) {
+  const std::vector<DatasetKind> kinds = all_kinds();
+  const DatasetKind* const kind = row_named(kinds, spec.kind);
+  if (kind == nullptr) fail("{}: {}", spec.text, unknown_name("kind of source", spec.kind, names_of(kinds)));
+  return open_frames(*kind, spec);
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_source(std::string_view text) {
-  const SourceSpec spec = parse_source_spec(text);
-  const std::vector<DatasetKind> kinds = all_kinds();
-  const DatasetKind* const kind = row_named(kinds, spec.kind);
-  if (kind == nullptr) fail("{}: {}", text, unknown_name("kind of source", spec.kind, names_of(kinds)));
-  return open_frames(*kind, spec);
+  return open_source_of(parse_source_spec(text));
+}
+
+std::unique_ptr<FrameStream> open_stream(std::string_view text) {
+  SourceSpec of_source = parse_source_spec(text);
+  SourceSpec of_stream = of_source;
+  const auto is_of_stream = [](const auto& setting) {
+    return setting.first == "rate" || setting.first == "loop";
+  };
+  std::erase_if(of_source.settings, is_of_stream);
+  std::erase_if(of_stream.settings, std::not_fn(is_of_stream));
+  const auto options = options_from<PlayOptions>(of_stream);
+  return std::make_unique<PlayedStream>(open_source_of(of_source), options);
 }
 
 std::vector<std::string> source_kinds() {

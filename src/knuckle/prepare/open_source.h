@@ -8,12 +8,17 @@
 
 #include "knuckle/core/options.h"
 #include "knuckle/data/frame_source.h"
+#include "knuckle/data/frame_stream.h"
 
 namespace knuckle {
 
 /// Opens any source, `KIND:PATH[?key=value&...]`: a data set on disk, or `synthetic:manifest.toml`. Throws an
 /// Error that lists the kinds where it is none of them.
 std::unique_ptr<FrameSource> open_source(std::string_view text);
+
+/// Opens any stream: a source as `open_source` takes it, with the settings of PlayOptions beside its own,
+/// played as a camera would give its frames.
+std::unique_ptr<FrameStream> open_stream(std::string_view text);
 
 /// Names of all kinds of source.
 std::vector<std::string> source_kinds();

@@ -39,6 +39,19 @@ TEST(OpenSource, TheGeneratorTakesSelectionsAndNoSettings) {
   EXPECT_THAT(error_of([&] { open_source(demo + "?first=100000"); }), HasSubstr("source '" + demo));
 }
 
+TEST(OpenStream, PlaysASourceWithSettingsOfItsOwn) {
+  const std::string demo = "synthetic:" + resource_path("manifests/demo.toml").string();
+  const auto stream = open_stream(demo + "?first=3&count=3&rate=500&loop=1");
+  for (const int index : {3, 4, 5, 3}) {
+    const Frame frame = stream->next().value();
+    EXPECT_EQ(frame.depth_mm, open_source(demo)->read(index).depth_mm);
+  }
+  EXPECT_THAT(error_of([&] { open_stream(demo + "?rate=fast"); }), HasSubstr("rate: expected a number"));
+  EXPECT_THAT(error_of([&] { open_stream(demo + "?rate=-2"); }), HasSubstr("rate"));
+  EXPECT_THAT(error_of([&] { open_stream(demo + "?speed=2"); }), HasSubstr("speed"));
+  EXPECT_THAT(error_of([&] { open_source(demo + "?rate=2"); }), HasSubstr("rate"));
+}
+
 TEST(OpenSource, APathInAFileStartsAtTheFile) {
   const testing::TemporaryFolder folder;
   const auto source_of = [&](const std::string& text) {

@@ -6,6 +6,8 @@
 #include <hdf5.h>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
@@ -296,6 +298,24 @@ TEST_F(ForeignHdf5, AnArrayThatShrankIsReadAsItIs) {
   H5Pclose(properties);
   H5Sclose(space);
   EXPECT_THAT(reopened().read<int>("depth").values, ElementsAre(1, 2, 3, 4));
+}
+
+TEST_F(ForeignHdf5, ChunksBesideTheArrayDoNotCount) {
+  add_chunked({2, 3, 2}, false, false);
+  close();
+  std::string bytes = read_text_file(path_);
+  const std::array<std::uint64_t, 3> shape{6, 4, 5};
+  const std::string extent(reinterpret_cast<const char*>(shape.data()), sizeof(shape));
+  const std::size_t place = bytes.find(extent);
+  ASSERT_NE(place, std::string::npos);
+  bytes[place + 8] = 3;  // of 4 columns: the chunks from the fourth on lie beside the array now
+  write_text_file(path_, bytes);
+  const auto depth = Hdf5File::open(path_).read<int>("depth");
+  ASSERT_THAT(depth.shape, ElementsAre(6, 3, 5));
+  for (int row = 0; row < 6; ++row) {
+    for (int i = 0; i < 15; ++i)
+      ASSERT_EQ(depth.values[static_cast<std::size_t>(15 * row + i)], 20 * row + i);
+  }
 }
 
 TEST_F(ForeignHdf5, NumbersThatDoNotFitAreRefused) {

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "knuckle/cli/verb.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
+#include "knuckle/pipeline/duration_histogram.h"
+#include "knuckle/pipeline/record_of.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
+#include "knuckle/track/run_live.h"
+
+namespace knuckle::cli {
+namespace {
+
+struct LiveArguments {
+  std::string source;
+  std::filesystem::path pipeline = resource_path("pipelines/track.toml");
+  std::string records;
+  std::int64_t frames = 0;
+  double seconds = 0.0;
+};
+
+/// Lines as they come: on standard output (`-`), or in a file that has its name once it is whole.
+class RecordLines {
+ public:
+  explicit RecordLines(const std::string& path) : path_(path) {
+    if (path.empty()) return;
+    if (path == "-") {
+      file_ = stdout;
+      return;
+    }
+    check_writable(path);
+    partial_ = path + ".partial";
+    file_ = std::fopen(partial_.c_str(), "wb");
+    if (file_ == nullptr) fail("{}: cannot be written", path);
+  }
+  ~RecordLines() {
+    if (!partial_.empty() && file_ != nullptr) std::fclose(file_);
+  }
+  RecordLines(const RecordLines&) = delete;
+  RecordLines& operator=(const RecordLines&) = delete;
+
+  void add(const FrameRecord& record) {
+    if (file_ == nullptr) return;
+    const std::string line = to_json_line(record) + "\n";
+    if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fflush(file_) != 0)
+      fail("{}: cannot be written; is the disk full, or does nobody read it?", path_);
+  }
+  void finish() {
+    if (partial_.empty()) return;
+    std::fclose(std::exchange(file_, nullptr));
+    publish_file(partial_, path_);
+  }
+
+ private:
+  std::string path_;
+  std::filesystem::path partial_;
+  std::FILE* file_ = nullptr;
+};
+
+void tell(const LiveCounts& counts, const DurationHistogram& latency, bool is_beside_records) {
+  std::FILE* const where = is_beside_records ? stderr : stdout;
+  fmt::print(where, "{} frames came, {} passed over, a hand in {} of {}", counts.arrived, counts.passed_over,
+             counts.found, counts.results);
+  if (counts.results > 0) {
+    fmt::print(where, "; from a frame to its record {:.1f} ms, {:.1f} ms at most in 99 of 100",
+               *latency.median_ms(), *latency.percentile_ms(99.0));
+  }
+  fmt::print(where, "\n");
+}
+
+void run_live_verb(const LiveArguments& arguments) {
+  std::signal(SIGPIPE, SIG_IGN);  // who reads the records may go: then writing fails, with a message
+  const auto stream = open_stream(arguments.source);
+  const Pipeline pipeline = Pipeline::load(arguments.pipeline);
+  RecordLines lines(arguments.records);
+  DurationHistogram latency;
+  const LiveOptions options{.most_frames = arguments.frames, .most_seconds = arguments.seconds};
+  const LiveCounts counts = run_live(*stream, pipeline, options, [&](const LiveFrame& live) {
+    FrameRecord record = record_of(live.result, PixelOrigin::centre);
+    record.latency_ms = live.latency_ms;
+    latency.add(live.latency_ms);
+    lines.add(record);
+  });
+  lines.finish();
+  tell(counts, latency, arguments.records == "-");
+  if (counts.unreadable > 0) {
+    fail("{}: {} frames could not be read; the first: {}", arguments.source, counts.unreadable, counts.fault);
+  }
+}
+
+}  // namespace
+
+void add_live(CLI::App& program) {
+  CLI::App& verb =
+      add_verb(program, "live", "Follow hands while they move: in a recording or data set, played",
+               "knuckle live --source 'folder:recording?loop=1' --records -");
+  auto arguments = std::make_shared<LiveArguments>();
+  verb.add_option("--source", arguments->source,
+                  "Where frames come from, KIND:PATH[?rate=60&loop=1]; `knuckle info` lists the kinds; "
+                  "without a rate "
+                  "they come at their own times")
+      ->type_name("STREAM")
+      ->required();
+  verb.add_option("--pipeline", arguments->pipeline,
+                  "Pipeline file (pipelines/); with [tracker] hands keep their ids")
+      ->type_name("FILE")
+      ->capture_default_str();
+  verb.add_option("--records", arguments->records,
+                  "Frame records as they come, one line of JSON each; -: on standard output")
+      ->type_name("FILE");
+  verb.add_option("--frames", arguments->frames,
+                  "Ends after so many frames were looked at; 0: with the stream, or Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--seconds", arguments->seconds,
+                  "Ends after so many seconds; 0: with the stream, or Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  verb.callback([arguments] { run_live_verb(*arguments); });
+}
+
+}  // namespace knuckle::cli
