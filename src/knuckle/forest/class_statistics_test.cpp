@@ -71,6 +71,34 @@ TEST(ClassStatistics, GainIsTheReductionOfGinisImpurity) {
   }
 }
 
+TEST(ClassStatistics, BothSidesOfASplitKeepTheFewestSamples) {
+  // The label 1 has the highest value alone, or the lowest alone: the best split would leave one sample.
+  for (const bool is_highest : {true, false}) {
+    const std::vector<std::uint8_t> labels{0, 0, 0, 0, 0, 0, 1};
+    std::vector<std::uint32_t> samples(labels.size());
+    std::iota(samples.begin(), samples.end(), 0U);
+    ClassStatistics::Node node;
+    ClassStatistics(labels).assign(samples, node);
+    std::vector<std::int16_t> values;
+    for (const std::uint32_t sample : node.samples()) {
+      const int value = sample == 6 ? (is_highest ? 100 : -100) : static_cast<int>(sample);
+      values.push_back(static_cast<std::int16_t>(value));
+    }
+    TreeOptions options;
+    options.threshold_bins = 100;
+    options.min_leaf_samples = 3;
+    ClassStatistics::Scratch scratch;
+    const ThresholdSplit found = node.best_split(values, 0, options, scratch);
+    const auto left = std::ranges::count_if(samples, [&](std::uint32_t sample) {
+      const int value = sample == 6 ? (is_highest ? 100 : -100) : static_cast<int>(sample);
+      return value < found.threshold;
+    });
+    EXPECT_GT(found.gain, 0.0F);
+    EXPECT_GE(left, 3);
+    EXPECT_LE(left, 4);
+  }
+}
+
 TEST(ClassStatistics, CandidatesTryDifferentSamplesAsThresholds) {
   std::vector<std::uint8_t> labels(1000);
   std::vector<std::uint32_t> samples(1000);

@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <numeric>
+#include <set>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/forest/forest_growth.h"
 #include "knuckle/forest/forest_testing.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {
@@ -207,6 +211,38 @@ TEST(TrainPixelForest, RefusesBadOptionsAndTooSmallAMemory) {
   EXPECT_NO_THROW(check_training_memory(1e6 * double(fitting), fitting, 2000 * fitting, options));
   EXPECT_THROW(check_training_memory(1e6 * double(fitting + 1), fitting + 1, 2000 * (fitting + 1), options),
                Error);
+}
+
+TEST(PixelSamples, TheirHashIsThatOfAllThatATreeSees) {
+  const Image<float> depth_mm(20, 10, 500.0f);
+  const Camera camera{.width = 20, .height = 10, .fx = 50.0, .fy = 50.0, .cx = 9.5, .cy = 4.5};
+  const auto hash_of = [&](const Image<float>& image, const Camera& seen_by, const LabelledPixel& pixel) {
+    PixelSamples samples(1);
+    samples.set(0, image, seen_by, std::vector{LabelledPixel{1, 1, 0}, pixel});
+    return arranged(samples).hash;
+  };
+  Camera longer = camera;
+  longer.fx = longer.fy = 80.0;
+  Image<float> nearer = depth_mm;
+  nearer(3, 3) = 400.0f;
+  const std::set<std::uint64_t> hashes{
+      hash_of(depth_mm, camera, {3, 4, 1}), hash_of(depth_mm, camera, {3, 4, 0}),
+      hash_of(depth_mm, camera, {4, 4, 1}), hash_of(depth_mm, camera, {3, 5, 1}),
+      hash_of(depth_mm, longer, {3, 4, 1}), hash_of(nearer, camera, {3, 4, 1})};
+  EXPECT_EQ(hashes.size(), 6U);
+  EXPECT_EQ(hash_of(depth_mm, camera, {3, 4, 1}), hash_of(depth_mm, camera, {3, 4, 1}));
+}
+
+TEST(Checkpoint, IsRemovedWithTheTreeThatWasGrowing) {
+  const testing::TemporaryFolder folder;
+  for (const char* name : {"forest.checkpoint", "forest.checkpoint.tree", "other"})
+    write_text_file(folder / name, "x");
+  remove_checkpoint(folder / "forest.checkpoint");
+  remove_checkpoint({});
+  std::set<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    left.insert(entry.path().filename());
+  EXPECT_EQ(left, std::set<std::string>{"other"});
 }
 
 }  // namespace

@@ -83,7 +83,11 @@ ArrangedSamples arranged(const PixelSamples& samples) {
   result.labels.reserve(static_cast<std::size_t>(count));
   for (const auto& [hash, index] : order) {
     if (images[index].pixels.empty()) continue;
+    // At 1 mm, as in the order, scales are as large as they get; at 1 m each camera has its own.
+    const PixelScale scale = images[index].scale.at(1000);
     result.hash = mixed_hash(result.hash, hash);
+    result.hash = mixed_hash(result.hash, static_cast<std::uint32_t>(scale.x));
+    result.hash = mixed_hash(result.hash, static_cast<std::uint32_t>(scale.y));
     for (const LabelledPixel& pixel : images[index].pixels) {
       result.samples.push_back({index, pixel.column, pixel.row});
       result.labels.push_back(pixel.label);

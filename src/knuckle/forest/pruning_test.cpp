@@ -36,6 +36,16 @@ TEST(Pruning, MergesTheNearestLeavesFirst) {
   EXPECT_THAT(two.leaves.values, ElementsAre(1.5f, 8.0f));
 }
 
+TEST(Pruning, ALeafThatWasMergedWeighsMore) {
+  // One tree of the leaves (0, 0) and 10, whose first two are merged at once, and one of 50 and 61. Then
+  // merging the first tree costs 2/3 10^2, and merging the second 1/2 11^2, which is less.
+  const std::vector<std::int32_t> next = {1, 3, ~2, ~0, ~1, 6, ~3, ~4};
+  const std::vector<std::uint32_t> roots = {0, 5};
+  const LeafRows leaves{1, {0.0f, 0.0f, 10.0f, 50.0f, 61.0f}};
+  EXPECT_THAT(pruned_nodes(next, roots, leaves, kScale, 3).leaves.values, ElementsAre(0.0f, 10.0f, 55.5f));
+  EXPECT_THAT(pruned_nodes(next, roots, leaves, kScale, 2).leaves.values, ElementsAre(10.0f / 3.0f, 55.5f));
+}
+
 TEST(Pruning, KeepsAtLeastARootWithTheMeanOfAllLeaves) {
   const PrunedNodes one = pruned_nodes(kNext, kRoots, four_leaves(), kScale, 0);
   EXPECT_THAT(one.is_kept, ElementsAre(1, 0, 0, 0, 0, 0, 0));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/hand/hand_angles.h"
 
-#include <set>
+#include <string_view>
+#include <vector>
 
 #include "knuckle/core/angle.h"
 #include "knuckle/core/pose.h"
@@ -70,12 +71,16 @@ TEST(HandAnglesTest, ABentFingerSpreadsLess) {
 }
 
 TEST(HandAnglesTest, NamesAreThoseOfTheJoints) {
-  std::set<std::string_view> names;
-  for (int i = 0; i < kHandAngleCount; ++i) names.insert(name_of(static_cast<HandAngle>(i)));
-  EXPECT_EQ(names.size(), kHandAngleCount);
-  EXPECT_EQ(name_of(HandAngle::thumb_radial), "thumb_radial");
-  EXPECT_EQ(name_of(HandAngle::index_pip), "index_pip");
-  EXPECT_EQ(name_of(HandAngle::little_spread), "little_spread");
+  const std::vector<std::string_view> expected{
+      "thumb_radial",  "thumb_palmar", "thumb_twist", "thumb_mcp",  "thumb_ip",      "index_mcp",
+      "index_spread",  "index_pip",    "index_dip",   "middle_mcp", "middle_spread", "middle_pip",
+      "middle_dip",    "ring_mcp",     "ring_spread", "ring_pip",   "ring_dip",      "little_mcp",
+      "little_spread", "little_pip",   "little_dip",  "palm_arch"};
+  std::vector<std::string_view> names;
+  for (int i = 0; i < kHandAngleCount; ++i) names.push_back(name_of(static_cast<HandAngle>(i)));
+  EXPECT_EQ(names, expected);
+  EXPECT_EQ(name_of(HandAngle::middle_dip), "middle_dip");
+  EXPECT_EQ(name_of(HandAngle::ring_mcp), "ring_mcp");
   EXPECT_EQ(name_of(HandAngle::palm_arch), "palm_arch");
 }
 

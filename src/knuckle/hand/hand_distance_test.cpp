@@ -51,6 +51,19 @@ TEST(HandDistance, AMirroredHandIsNot) {
   const HandSet set(std::vector{hand});
   for (Point3& joint : hand) joint.x() = -joint.x();
   EXPECT_GT(set.nearest(hand).distance_mm, 5.0);
+  const HandJoints original = sampled_hands(1, 2).front();
+  const HandJoints aligned = aligned_to(original, hand);
+  EXPECT_GT(mean_distance_mm(original, aligned), 5.0);
+  EXPECT_NEAR(mean_distance_mm(original, aligned), HandSet(std::vector{hand}).nearest(original).distance_mm,
+              0.01);
+}
+
+TEST(HandDistance, HandsHaveAllLandmarksButThePalm) {
+  std::array<Point3, kSupersetSize> landmarks;
+  for (int i = 0; i < kSupersetSize; ++i) landmarks[static_cast<std::size_t>(i)] = Point3(i, 0, 0);
+  const HandJoints joints = hand_joints(landmarks);
+  EXPECT_EQ(joints[0].x(), 0.0);
+  for (int k = 1; k < kHandJoints; ++k) EXPECT_EQ(joints[static_cast<std::size_t>(k)].x(), k + 1.0);
 }
 
 TEST(HandDistance, TheFastSearchFindsWhatTheSlowOneFinds) {

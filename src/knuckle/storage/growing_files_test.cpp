@@ -135,6 +135,19 @@ TEST_F(GrowingFilesTest, ARunThatWasStoppedBetweenTwoNamesGivesTheOthers) {
   expect_published(4);
 }
 
+TEST_F(GrowingFilesTest, AFileThatWasChangedAfterItGotItsNameIsRefused) {
+  {
+    GrowingFiles files = open(Begin::anew);
+    grow(files, 4);
+    make_folder(path("b"));
+    EXPECT_THAT(testing::error_of([&] { files.publish(); }), HasSubstr("/b: cannot write"));
+  }
+  fs::remove(path("b"));
+  std::ofstream(path("a"), std::ios::app) << "one line more\n";
+  EXPECT_THAT(testing::error_of([&] { open(Begin::where_it_stopped); }),
+              HasSubstr("/a: is missing or was changed after the run that wrote it"));
+}
+
 TEST_F(GrowingFilesTest, AnotherIdentityIsRefusedAndNamed) {
   {
     GrowingFiles files = open(Begin::anew);
@@ -172,6 +185,8 @@ TEST_F(GrowingFilesTest, AFileThatVanishesIsNoticedAtOnce) {
   GrowingFiles files = open(Begin::anew);
   grow(files, 2);
   fs::remove(path("b.partial"));
+  EXPECT_THAT(testing::error_of([&] { grow(files, 3); }), HasSubstr("b.partial: cannot write: it vanished"));
+  std::ofstream(path("b.partial")) << "of somebody else";
   EXPECT_THAT(testing::error_of([&] { grow(files, 3); }), HasSubstr("b.partial: cannot write: it vanished"));
 }
 
