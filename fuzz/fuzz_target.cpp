@@ -14,13 +14,14 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 25> kTargets{{
+constexpr std::array<FuzzTarget, 26> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
     {"csv", run_csv},
     {"dataset_toml", run_dataset_toml},
     {"exr", run_exr},
+    {"fakenect", run_fakenect},
     {"frame_log", run_frame_log},
     {"h5_set", run_h5_set},
     {"hdf5", run_hdf5},

@@ -72,5 +72,6 @@ void run_source(Bytes bytes);
 void run_calibration(Bytes bytes);
 void run_journal(Bytes bytes);
 void run_frame_log(Bytes bytes);
+void run_fakenect(Bytes bytes);
 
 }  // namespace knuckle::fuzz
