@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 26> kTargets{{
+constexpr std::array<FuzzTarget, 27> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
@@ -37,6 +37,7 @@ constexpr std::array<FuzzTarget, 26> kTargets{{
     {"pose_forest", run_pose_forest},
     {"poses", run_poses},
     {"record", run_record},
+    {"rosbag", run_rosbag},
     {"segmentation_forest", run_segmentation_forest},
     {"source", run_source},
     {"toml", run_toml},

@@ -2,11 +2,13 @@
 // Recordings of cameras.
 #include "fuzz_target.h"
 
+#include <algorithm>
 #include <string_view>
 
 #include "knuckle/data/readers/fakenect_index.h"
 #include "knuckle/data/readers/kinect_depth.h"
 #include "knuckle/data/readers/pgm_image.h"
+#include "knuckle/data/readers/rosbag_source.h"
 
 namespace knuckle::fuzz {
 
@@ -18,6 +20,12 @@ void run_fakenect(Bytes bytes) {
   if (image == std::string_view::npos) return;
   const Image<std::uint16_t> stored = decode_pgm16(text.substr(image), "fuzz.pgm");
   (void)kinect_depth_mm(stored, kinect_format_of(stored, "", "fuzz.pgm"), "fuzz.pgm");
+}
+
+void run_rosbag(Bytes bytes) {
+  const FuzzFile file(bytes, ".bag");
+  const RosbagSource source(file.path());
+  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) (void)source.read(i);
 }
 
 }  // namespace knuckle::fuzz

@@ -16,7 +16,7 @@ namespace knuckle {
 
 /// Settings of a `fakenect:` source.
 struct FakenectOptions {
-  std::string camera;          ///< file with a [camera] table; empty: kinect_camera()
+  std::string camera = {};     ///< file with a [camera] table; empty: kinect_camera()
   std::string depth = "auto";  ///< what the images count: auto | raw | mm
 
   void visit(OptionVisitor& visitor);

@@ -13,6 +13,7 @@
 #include "knuckle/data/readers/icvl_source.h"
 #include "knuckle/data/readers/msra15_source.h"
 #include "knuckle/data/readers/nyu_source.h"
+#include "knuckle/data/readers/rosbag_source.h"
 
 namespace knuckle {
 namespace {
@@ -40,6 +41,8 @@ constexpr std::array kKinds{
     DatasetKind{"h5", "Knuckle dataset, one HDF5 file", open_plain<H5Source>},
     DatasetKind{"fakenect", "recording of a Kinect: folder of libfreenect's fakenect-record",
                 open_with_options<FakenectSource, FakenectOptions>},
+    DatasetKind{"rosbag", "depth topic of a ROS 1 bag, RealSense's too",
+                open_with_options<RosbagSource, RosbagOptions>},
 };
 
 }  // namespace
