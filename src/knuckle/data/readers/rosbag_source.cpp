@@ -30,8 +30,7 @@ std::vector<std::string> topics_of(const Rosbag& bag, std::string_view type) {
     if (connection.type == type) topics.push_back(connection.topic);
   }
   std::ranges::sort(topics);
-  const auto repeated = std::ranges::unique(topics);
-  topics.erase(repeated.begin(), repeated.end());
+  topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
   return topics;
 }
 
