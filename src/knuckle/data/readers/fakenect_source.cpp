@@ -2,6 +2,7 @@
 #include "knuckle/data/readers/fakenect_source.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "knuckle/core/limits.h"

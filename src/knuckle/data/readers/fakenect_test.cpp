@@ -2,7 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
+#include <functional>
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"

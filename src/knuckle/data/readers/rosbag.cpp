@@ -2,6 +2,7 @@
 #include "knuckle/data/readers/rosbag.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "knuckle/core/error.h"
@@ -46,7 +47,8 @@ std::uint64_t Rosbag::read_bag_header() {
   if (header.fields.kind() != BagRecordKind::bag_header) {
     fail("{}: the bag is damaged: it does not begin with its header", name);
   }
-  if (!header.fields.text("encryptor").empty()) fail("{}: the bag is encrypted", name);
+  const std::string_view encryptor = header.fields.text("encryptor");
+  if (!encryptor.empty() && encryptor != "rosbag/NoEncryptor") fail("{}: the bag is encrypted", name);
   const std::uint64_t index_at = header.fields.u64("index_pos");
   if (index_at == 0) fail("{}: the bag was not closed by its recorder; 'rosbag reindex' mends it", name);
   if (index_at > file_.size()) {
@@ -78,6 +80,7 @@ void Rosbag::read_records(std::uint64_t at) {
     }
     at = record.end();
   }
+  std::ranges::stable_sort(listings_, {}, &Listing::connection);
 }
 
 void Rosbag::add_connection(const BagRecord& record) {
@@ -85,6 +88,8 @@ void Rosbag::add_connection(const BagRecord& record) {
     fail("{}: the description of a connection has {} bytes, expected at most {}", file_.place(record.data_at),
          record.data_bytes, limits::kRecordHeaderBytes);
   }
+  if (connections_.size() == static_cast<std::size_t>(limits::kConnections))
+    fail("{}: has more than {} connections", file_.path().string(), limits::kConnections);
   const BagFields description(file_.read(record.data_at, record.data_bytes), file_.place(record.data_at));
   connections_.push_back({record.fields.u32("conn"), printable(record.fields.text("topic")),
                           std::string(description.text("type"))});
@@ -129,13 +134,15 @@ void Rosbag::append_messages(const Listing& listing, std::vector<BagMessage>& me
 }
 
 std::vector<BagMessage> Rosbag::messages_of(std::string_view topic) const {
-  std::vector<std::uint32_t> numbers;
+  std::set<std::uint32_t> numbers;
   for (const BagConnection& connection : connections_) {
-    if (connection.topic == topic) numbers.push_back(connection.number);
+    if (connection.topic == topic) numbers.insert(connection.number);
   }
   std::vector<BagMessage> messages;
-  for (const Listing& listing : listings_) {
-    if (std::ranges::find(numbers, listing.connection) != numbers.end()) append_messages(listing, messages);
+  for (const std::uint32_t number : numbers) {
+    auto listing = std::ranges::lower_bound(listings_, number, {}, &Listing::connection);
+    for (; listing != listings_.end() && listing->connection == number; ++listing)
+      append_messages(*listing, messages);
   }
   std::ranges::stable_sort(
       messages, {}, [](const BagMessage& message) { return std::pair(message.chunk, message.offset); });

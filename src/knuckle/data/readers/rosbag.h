@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,7 +88,7 @@ class Rosbag {
   std::uint32_t chunk_count_ = 0;
   std::vector<BagConnection> connections_;
   std::vector<Chunk> chunks_;
-  std::vector<Listing> listings_;
+  std::vector<Listing> listings_;  ///< by connection
   mutable std::mutex is_looking_;
   mutable std::vector<Kept> kept_;  ///< the last that was asked for comes last
 };

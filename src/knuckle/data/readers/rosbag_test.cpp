@@ -480,6 +480,12 @@ TEST_F(RosbagTest, RefusesWhatItCannotRead) {
   EXPECT_THAT(fault(zstd), HasSubstr("compression 'zstd', expected none, bz2 or lz4"));
 }
 
+TEST_F(RosbagTest, TooManyConnectionsAreRefused) {
+  BagWriter bag;
+  for (int i = 0; i <= 16384; ++i) bag.add(fmt::format("/{}", i), kImage, 1.0, "");
+  EXPECT_THAT(fault(bag), HasSubstr("more than 16384 connections"));
+}
+
 TEST_F(RosbagTest, AChunkThatSaysMoreThanItHoldsIsRefused) {
   for (const char* compression : {"bz2", "lz4"}) {
     for (const std::uint32_t more : {1u, 200'000'000u, ~0u}) {
