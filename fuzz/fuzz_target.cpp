@@ -14,13 +14,14 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 25> kTargets{{
+constexpr std::array<FuzzTarget, 27> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
     {"csv", run_csv},
     {"dataset_toml", run_dataset_toml},
     {"exr", run_exr},
+    {"fakenect", run_fakenect},
     {"frame_log", run_frame_log},
     {"h5_set", run_h5_set},
     {"hdf5", run_hdf5},
@@ -36,6 +37,7 @@ constexpr std::array<FuzzTarget, 25> kTargets{{
     {"pose_forest", run_pose_forest},
     {"poses", run_poses},
     {"record", run_record},
+    {"rosbag", run_rosbag},
     {"segmentation_forest", run_segmentation_forest},
     {"source", run_source},
     {"toml", run_toml},

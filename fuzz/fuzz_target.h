@@ -72,5 +72,7 @@ void run_source(Bytes bytes);
 void run_calibration(Bytes bytes);
 void run_journal(Bytes bytes);
 void run_frame_log(Bytes bytes);
+void run_fakenect(Bytes bytes);
+void run_rosbag(Bytes bytes);
 
 }  // namespace knuckle::fuzz

@@ -178,6 +178,7 @@ def cases(program, root):
     (folder / "joint.txt").write_text("1\n" + 63 * "10 " + "\n")
     for file in ("P0/1/000000_depth.bin", "P0/1/joint.txt"):
         made.append(Case("msra15", root / "msra", file, [*inspect, "msra15:FOLDER"]))
+    made += recording_cases(root)
     made += model_cases(root)
     poses = root / "poses"
     poses.mkdir()
@@ -186,6 +187,23 @@ def cases(program, root):
     evaluate = ["evaluate", "--truth", f"folder:{root / 'folder'}"]
     made.append(Case("poses", poses, "poses.txt", [*evaluate, "--predictions", "x=FILE"]))
     made.append(Case("boxes", poses, "boxes.csv", [*evaluate, "--boxes", "x=FILE"]))
+    return made
+
+
+def recording_cases(root):
+    folder = root / "recordings"
+    folder.mkdir()
+    (folder / "INDEX.txt").write_text("d-1300000000.033333-8000000.pgm\nr-1300000000.04-8000000.ppm\n")
+    (folder / "d-1300000000.033333-8000000.pgm").write_bytes(b"P5 64 48 65535\n" + b"\x20\x03" * (64 * 48))
+    (folder / "camera.toml").write_text("[camera]\nwidth = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 32\ncy = 24\n")
+    fakenect = ["inspect", "--source", "fakenect:FOLDER?camera=FOLDER/camera.toml"]
+    made = [
+        Case(f"fakenect {file}", folder, file, fakenect)
+        for file in ("INDEX.txt", "d-1300000000.033333-8000000.pgm", "camera.toml")
+    ]
+    for packing in ("none", "bz2", "lz4"):
+        shutil.copy(PROJECT / "fuzz/corpus/rosbag" / packing, folder / packing)
+        made.append(Case(f"rosbag {packing}", folder, packing, ["inspect", "--source", "rosbag:FILE"]))
     return made
 
 

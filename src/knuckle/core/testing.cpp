@@ -18,11 +18,14 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
+std::filesystem::path project_folder() {
+  return KNUCKLE_PROJECT_FOLDER;
+}
+
 std::filesystem::path shared_data_folder() {
   const char* chosen = std::getenv("KNUCKLE_SHARED_DATA");
-  const std::filesystem::path folder = chosen != nullptr
-                                           ? std::filesystem::path(chosen)
-                                           : std::filesystem::path(KNUCKLE_PROJECT_FOLDER) / "../shared/data";
+  const std::filesystem::path folder =
+      chosen != nullptr ? std::filesystem::path(chosen) : project_folder() / "../shared/data";
   return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
 

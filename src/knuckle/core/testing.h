@@ -28,6 +28,9 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// The project's root, where committed fixtures are found.
+std::filesystem::path project_folder();
+
 /// Where the real recordings lie ($KNUCKLE_SHARED_DATA, else ../shared/data from the project's root); empty
 /// where they are missing. A test that needs them starts with
 ///     KNUCKLE_REQUIRE_SHARED_DATA(folder);

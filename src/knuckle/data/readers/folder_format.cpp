@@ -117,6 +117,10 @@ FolderDescription read_folder_description(const std::filesystem::path& path) {
   return description;
 }
 
+Camera read_camera_file(const std::filesystem::path& path) {
+  return read_folder_description(path).camera;
+}
+
 std::string folder_description_as_toml(const FolderDescription& description) {
   const Camera camera = with_pixel_origin(description.camera, PixelOrigin::centre, description.pixel_origin);
   return top_as_toml(description) + "\n[camera]\n" + options_as_toml(options_from(camera));

@@ -55,6 +55,11 @@ struct FolderDescription {
 /// Reads a dataset.toml strictly. Throws an Error that names the file and the key at fault.
 FolderDescription read_folder_description(const std::filesystem::path& path);
 
+/// The camera of a file for sources that know none: the [camera] table of a dataset.toml, in the
+/// `pixel_origin` that may stand above it; the answer counts from pixel centres. Throws as
+/// `read_folder_description` does.
+Camera read_camera_file(const std::filesystem::path& path);
+
 /// The text of a dataset.toml.
 std::string folder_description_as_toml(const FolderDescription& description);
 

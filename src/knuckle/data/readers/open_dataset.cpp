@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "knuckle/core/named_table.h"
+#include "knuckle/data/readers/fakenect_source.h"
 #include "knuckle/data/readers/folder_source.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/readers/hands17_source.h"
@@ -12,6 +13,7 @@
 #include "knuckle/data/readers/icvl_source.h"
 #include "knuckle/data/readers/msra15_source.h"
 #include "knuckle/data/readers/nyu_source.h"
+#include "knuckle/data/readers/rosbag_source.h"
 
 namespace knuckle {
 namespace {
@@ -37,6 +39,10 @@ constexpr std::array kKinds{
     DatasetKind{"hands17", "HANDS 2017 challenge: 16-bit PNG and annotation file",
                 open_with_options<Hands17Source, Hands17Options>},
     DatasetKind{"h5", "Knuckle dataset, one HDF5 file", open_plain<H5Source>},
+    DatasetKind{"fakenect", "recording of a Kinect: folder of libfreenect's fakenect-record",
+                open_with_options<FakenectSource, FakenectOptions>},
+    DatasetKind{"rosbag", "depth topic of a ROS 1 bag, RealSense's too",
+                open_with_options<RosbagSource, RosbagOptions>},
 };
 
 }  // namespace

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of cameras.
+#include "fuzz_target.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "knuckle/data/readers/fakenect_index.h"
+#include "knuckle/data/readers/kinect_depth.h"
+#include "knuckle/data/readers/pgm_image.h"
+#include "knuckle/data/readers/rosbag_source.h"
+
+namespace knuckle::fuzz {
+
+/// An image after the lines of an index, or either alone.
+void run_fakenect(Bytes bytes) {
+  const std::string_view text = as_text(bytes);
+  const std::size_t image = text.find("P5");
+  if (image != 0) (void)parse_fakenect_index(text.substr(0, image), "INDEX.txt");
+  if (image == std::string_view::npos) return;
+  const Image<std::uint16_t> stored = decode_pgm16(text.substr(image), "fuzz.pgm");
+  (void)kinect_depth_mm(stored, kinect_format_of(stored, "", "fuzz.pgm"), "fuzz.pgm");
+}
+
+void run_rosbag(Bytes bytes) {
+  const FuzzFile file(bytes, ".bag");
+  const RosbagSource source(file.path());
+  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) (void)source.read(i);
+}
+
+}  // namespace knuckle::fuzz

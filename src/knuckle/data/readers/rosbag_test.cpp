@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include <bzlib.h>
+#include <lz4frame.h>
+
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/open_dataset.h"
+#include "knuckle/data/readers/rosbag_source.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::cut_file;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::put_file;
+
+template <class T>
+std::string little(T value) {
+  std::string bytes;
+  for (std::size_t i = 0; i < sizeof(T); ++i)
+    bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xFF);
+  return bytes;
+}
+
+std::string little_double(double value) {
+  return little(std::bit_cast<std::uint64_t>(value));
+}
+
+std::string with_length(const std::string& bytes) {
+  return little(static_cast<std::uint32_t>(bytes.size())) + bytes;
+}
+
+std::string packed(const std::string& bytes, const std::string& compression) {
+  if (compression == "bz2") {
+    std::string out(bytes.size() + bytes.size() / 50 + 1000, '\0');
+    auto length = static_cast<unsigned>(out.size());
+    BZ2_bzBuffToBuffCompress(out.data(), &length, const_cast<char*>(bytes.data()),
+                             static_cast<unsigned>(bytes.size()), 9, 0, 0);
+    return out.substr(0, length);
+  }
+  if (compression == "lz4") {
+    std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
+    return out.substr(0, LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+  }
+  return bytes;
+}
+
+using BagTestFields = std::vector<std::pair<std::string, std::string>>;
+
+std::string record(int op, BagTestFields fields, const std::string& data) {
+  std::string header;
+  fields.emplace_back("op", std::string(1, static_cast<char>(op)));
+  for (const auto& [name, value] : fields) header += with_length(name + "=" + value);
+  return with_length(header) + with_length(data);
+}
+
+std::string bag_time(double seconds) {
+  const double whole = std::floor(seconds);
+  return little(static_cast<std::uint32_t>(whole)) +
+         little(static_cast<std::uint32_t>(std::llround((seconds - whole) * 1e9)));
+}
+
+/// Writes bags by the format's description, with faults where a test wants them.
+class BagWriter {
+ public:
+  explicit BagWriter(std::string compression = "none") : compression_(std::move(compression)) {}
+
+  std::string version = "#ROSBAG V2.0\n";
+  std::string encryptor;
+  bool is_closed = true;
+  std::uint32_t more_chunk_bytes = 0;  ///< that a chunk says it has
+
+  void add(const std::string& topic, const std::string& type, double recorded_s, const std::string& message) {
+    const std::uint32_t connection = connection_of(topic, type);
+    entries_.push_back({connection, recorded_s, static_cast<std::uint32_t>(chunk_.size())});
+    chunk_ += record(2, {{"conn", little(connection)}, {"time", bag_time(recorded_s)}}, message);
+  }
+
+  void end_chunk() {
+    const auto bytes = static_cast<std::uint32_t>(chunk_.size()) + more_chunk_bytes;
+    body_ +=
+        record(5, {{"compression", compression_}, {"size", little(bytes)}}, packed(chunk_, compression_));
+    for (std::uint32_t connection = 0; connection < connections_.size(); ++connection) {
+      std::string data;
+      std::uint32_t count = 0;
+      for (const Entry& entry : entries_) {
+        if (entry.connection != connection) continue;
+        data += bag_time(entry.recorded_s) + little(entry.offset);
+        ++count;
+      }
+      if (count == 0) continue;
+      body_ += record(
+          4, {{"ver", little(std::uint32_t{1})}, {"conn", little(connection)}, {"count", little(count)}},
+          data);
+    }
+    ++chunk_count_;
+    chunk_.clear();
+    entries_.clear();
+  }
+
+  std::string bytes() {
+    if (!chunk_.empty()) end_chunk();
+    std::string index;
+    for (std::uint32_t i = 0; i < connections_.size(); ++i) {
+      const auto& [topic, type] = connections_[i];
+      const std::string about = with_length("topic=" + topic) + with_length("type=" + type);
+      index += record(7, {{"conn", little(i)}, {"topic", topic}}, about);
+    }
+    const std::size_t header_bytes = header(0).size();
+    return version + header(is_closed ? version.size() + header_bytes + body_.size() : 0) + body_ + index;
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t connection;
+    double recorded_s;
+    std::uint32_t offset;
+  };
+
+  std::uint32_t connection_of(const std::string& topic, const std::string& type) {
+    const auto found = std::ranges::find(connections_, std::pair(topic, type));
+    if (found != connections_.end()) return static_cast<std::uint32_t>(found - connections_.begin());
+    connections_.emplace_back(topic, type);
+    return static_cast<std::uint32_t>(connections_.size() - 1);
+  }
+
+  std::string header(std::size_t index_at) const {
+    BagTestFields fields{{"index_pos", little(static_cast<std::uint64_t>(index_at))},
+                         {"conn_count", little(static_cast<std::uint32_t>(connections_.size()))},
+                         {"chunk_count", little(chunk_count_)}};
+    if (!encryptor.empty()) fields.emplace_back("encryptor", encryptor);
+    return record(3, fields, std::string(20, ' '));
+  }
+
+  std::string compression_;
+  std::string body_;
+  std::string chunk_;
+  std::vector<Entry> entries_;
+  std::vector<std::pair<std::string, std::string>> connections_;
+  std::uint32_t chunk_count_ = 0;
+};
+
+std::string message_header(double stamp_s) {
+  return little(std::uint32_t{7}) + bag_time(stamp_s) + with_length("camera_frame");
+}
+
+struct TestImage {
+  std::uint32_t width = 8;
+  std::uint32_t height = 6;
+  std::string encoding = "16UC1";
+  bool is_big_endian = false;
+  std::uint32_t padding = 0;  ///< bytes at the end of each row
+  double stamp_s = 0.0;
+};
+
+/// Pixel (column, row) of a 16-bit image is `first` + column + 10 row.
+std::string image_message(const TestImage& image, int first) {
+  std::string pixels;
+  for (std::uint32_t row = 0; row < image.height; ++row) {
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      std::string pixel = little(static_cast<std::uint16_t>(first + static_cast<int>(column + 10 * row)));
+      if (image.is_big_endian) std::swap(pixel[0], pixel[1]);
+      pixels += pixel;
+    }
+    pixels += std::string(image.padding, '\x55');
+  }
+  return message_header(image.stamp_s) + little(image.height) + little(image.width) +
+         with_length(image.encoding) + little(static_cast<std::uint8_t>(image.is_big_endian)) +
+         little(2 * image.width + image.padding) + with_length(pixels);
+}
+
+struct TestCameraInfo {
+  std::uint32_t width = 8;
+  std::uint32_t height = 6;
+  std::string model = "plumb_bob";
+  std::vector<double> d{0.1, -0.2, 0.003, 0.004, 0.05};
+  std::array<double, 9> k{7.5, 0, 3.25, 0, 7.25, 2.5, 0, 0, 1};
+  std::array<double, 12> p{7.0, 0, 3.0, 0, 0, 6.5, 2.0, 0, 0, 0, 1, 0};
+};
+
+std::string camera_message(const TestCameraInfo& info) {
+  std::string bytes = message_header(1.0) + little(info.height) + little(info.width) +
+                      with_length(info.model) + little(static_cast<std::uint32_t>(info.d.size()));
+  for (const double value : info.d) bytes += little_double(value);
+  for (const double value : info.k) bytes += little_double(value);
+  for (const double value : {1, 0, 0, 0, 1, 0, 0, 0, 1}) bytes += little_double(value);
+  for (const double value : info.p) bytes += little_double(value);
+  return bytes + std::string(8 + 17, '\0');  // binning, region of interest
+}
+
+constexpr const char* kDepth = "/camera/depth/image_raw";
+constexpr const char* kInfo = "/camera/depth/camera_info";
+constexpr const char* kImage = "sensor_msgs/Image";
+constexpr const char* kCameraInfo = "sensor_msgs/CameraInfo";
+
+class RosbagTest : public ::testing::Test {
+ protected:
+  std::filesystem::path path() const { return folder_ / "a.bag"; }
+  RosbagSource open(BagWriter& bag, const RosbagOptions& options = {}) const {
+    put_file(path(), bag.bytes());
+    return RosbagSource(path(), options);
+  }
+  std::string fault(BagWriter& bag, const RosbagOptions& options = {}) const {
+    return error_of([&] { open(bag, options).read(0); });
+  }
+  /// `count` frames, 30 per second, 3 a chunk, with a camera and colour images between.
+  static BagWriter recording(const std::string& compression, int count = 8) {
+    BagWriter bag(compression);
+    for (int i = 0; i < count; ++i) {
+      const double time_s = 1000.0 + i / 30.0;
+      bag.add(kInfo, kCameraInfo, time_s, camera_message({}));
+      bag.add(kDepth, kImage, time_s + 0.5, image_message({.stamp_s = time_s}, 500 + i));
+      bag.add("/camera/rgb/image_raw", kImage, time_s, image_message({.encoding = "rgb8"}, 0));
+      if (i % 3 == 2) bag.end_chunk();
+    }
+    return bag;
+  }
+
+  testing::TemporaryFolder folder_;
+};
+
+class RosbagOfEachCompression : public RosbagTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(RosbagOfEachCompression, GivesDepthTimesAndCamera) {
+  BagWriter bag = recording(GetParam());
+  const RosbagSource source = open(bag);
+  ASSERT_EQ(source.size(), 8);
+  for (const std::int64_t i : {7, 0, 3, 4, 1, 6, 2, 5}) {
+    const Frame frame = source.read(i);
+    EXPECT_EQ(frame.depth_mm(0, 0), 500 + i);
+    EXPECT_EQ(frame.depth_mm(7, 5), 500 + i + 57);
+    EXPECT_NEAR(*frame.time_s, 1000.0 + static_cast<double>(i) / 30, 1e-8);
+    EXPECT_EQ(frame.camera,
+              (Camera{CameraModel::projective, 8, 6, 7.5, 7.25, 3.25, 2.5, {0.1, -0.2, 0.003, 0.004, 0.05}}));
+  }
+  EXPECT_EQ(source.read(3).name, "000003");
+  testing::expect_labels_like_frames(source);
+}
+
+TEST_P(RosbagOfEachCompression, ManyThreadsReadAtOnce) {
+  BagWriter bag = recording(GetParam(), 60);
+  const RosbagSource source = open(bag);
+  std::vector<std::thread> threads;
+  std::array<int, 4> wrong{};
+  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
+    threads.emplace_back([&, thread] {
+      Random random(thread);
+      for (int i = 0; i < 200; ++i) {
+        const std::int64_t index = random.below(60);
+        wrong[thread] += source.read(index).depth_mm(0, 0) == 500 + static_cast<float>(index) ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, (std::array<int, 4>{}));
+}
+
+TEST_P(RosbagOfEachCompression, CutAnywhereIsRefused) {
+  BagWriter bag = recording(GetParam());
+  const std::string whole = bag.bytes();
+  for (std::size_t cut = 0; cut < whole.size(); cut += 13) {
+    put_file(path(), whole.substr(0, cut));
+    EXPECT_THAT(error_of([&] { RosbagSource source(path()); }), HasSubstr("a.bag")) << cut;
+  }
+}
+
+TEST_P(RosbagOfEachCompression, ChangedBytesAreReadOrRefused) {
+  BagWriter bag = recording(GetParam());
+  const std::string whole = bag.bytes();
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    std::string damaged = whole;
+    for (int change = 0; change <= i % 3; ++change)
+      damaged[random.below(static_cast<std::uint32_t>(damaged.size()))] =
+          static_cast<char>(random.below(256));
+    put_file(path(), damaged);
+    try {
+      const RosbagSource source(path());
+      for (std::int64_t frame = 0; frame < source.size(); ++frame) (void)source.read(frame);
+    } catch (const Error& error) {
+      ASSERT_THAT(error.what(), HasSubstr("a.bag"));
+    }
+  }
+}
+
+/// What fuzz/write_bags.py wrote with ROS's own library.
+TEST_P(RosbagOfEachCompression, ReadsWhatRosWrites) {
+  const RosbagSource source(testing::project_folder() / "fuzz/corpus/rosbag" / GetParam());
+  ASSERT_EQ(source.size(), 3);
+  for (std::int64_t i = 0; i < source.size(); ++i) {
+    const Frame frame = source.read(i);
+    EXPECT_EQ(frame.time_s, 1600000000.25 + static_cast<double>(i) / 32);
+    EXPECT_EQ(
+        frame.camera,
+        (Camera{CameraModel::projective, 16, 12, 15.5, 16.25, 7.25, 5.75, {0.1, -0.2, 0.001, 0.002, 0.03}}));
+    for (int row = 0; row < 12; ++row) {
+      for (int column = 0; column < 16; ++column) {
+        const int expected = (row + column) % 7 == 0 ? 0 : 600 + static_cast<int>(i) + column + 3 * row;
+        ASSERT_EQ(frame.depth_mm(column, row), static_cast<float>(expected)) << column << " " << row;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RosbagOfEachCompression, ::testing::Values("none", "bz2", "lz4"));
+
+TEST_F(RosbagTest, FramesComeInTheOrderOfTheirStamps) {
+  BagWriter bag;
+  bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+  for (const int i : {2, 0, 1})
+    bag.add(kDepth, kImage, 10.0 - i, image_message({.stamp_s = 100.0 + i}, 500 + i));
+  const RosbagSource source = open(bag);
+  for (const std::int64_t i : {0, 1, 2}) EXPECT_EQ(source.read(i).depth_mm(0, 0), 500 + i);
+}
+
+TEST_F(RosbagTest, WithoutStampsTheTimeIsThatOfRecording) {
+  BagWriter bag;
+  bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+  bag.add(kDepth, kImage, 12.5, image_message({}, 500));
+  EXPECT_EQ(open(bag).read(0).time_s, 12.5);
+}
+
+TEST_F(RosbagTest, ReadsBothOrdersOfBytesAndPaddedRows) {
+  BagWriter bag;
+  bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+  bag.add(kDepth, kImage, 1.0, image_message({.is_big_endian = true, .padding = 5}, 700));
+  const Frame frame = open(bag).read(0);
+  EXPECT_EQ(frame.depth_mm(0, 0), 700);
+  EXPECT_EQ(frame.depth_mm(7, 5), 757);
+}
+
+TEST_F(RosbagTest, ReadsMetres) {
+  BagWriter bag;
+  bag.add(kInfo, kCameraInfo, 0.0, camera_message({.width = 4, .height = 2, .d = {}}));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  std::string pixels;
+  for (const float metres : {0.5f, nan, infinity, -1.0f, 0.0f, 3.25f, 1e38f, 2.0f})
+    pixels += little(std::bit_cast<std::uint32_t>(metres));
+  bag.add(kDepth, kImage, 1.0,
+          message_header(1.0) + little(std::uint32_t{2}) + little(std::uint32_t{4}) + with_length("32FC1") +
+              little(std::uint8_t{0}) + little(std::uint32_t{16}) + with_length(pixels));
+  const Frame frame = open(bag).read(0);
+  EXPECT_EQ(std::vector<float>(frame.depth_mm.pixels().begin(), frame.depth_mm.pixels().end()),
+            (std::vector<float>{500, 0, 0, 0, 0, 3250, 0, 2000}));
+}
+
+/// As RealSense's recorder names its topics.
+BagWriter realsense_bag(float metres_per_count) {
+  const std::string sensor = "/device_0/sensor_0";
+  BagWriter bag("lz4");
+  bag.add(sensor + "/option/Exposure/value", "std_msgs/Float32", 0.0,
+          little(std::bit_cast<std::uint32_t>(33.0f)));
+  bag.add(sensor + "/option/Depth_Units/value", "std_msgs/Float32", 0.0,
+          little(std::bit_cast<std::uint32_t>(metres_per_count)));
+  bag.add(sensor + "/Depth_0/info/camera_info", kCameraInfo, 0.0,
+          camera_message({.model = "Brown Conrady", .d = {0, 0, 0, 0, 0}}));
+  bag.add(sensor + "/Depth_0/image/data", kImage, 1.0,
+          image_message({.encoding = "mono16", .stamp_s = 1.0}, 1000));
+  bag.add(sensor + "/Infrared_1/image/data", kImage, 1.0, image_message({.encoding = "mono16"}, 0));
+  return bag;
+}
+
+TEST_F(RosbagTest, ReadsRealSensesTopicsAndUnit) {
+  BagWriter millimetres = realsense_bag(0.001f);
+  const Frame frame = open(millimetres).read(0);
+  EXPECT_EQ(frame.depth_mm(0, 0), 1000.0f);
+  EXPECT_EQ(frame.camera.fx, 7.5);
+  EXPECT_FALSE(frame.camera.is_distorted());
+  BagWriter tenths = realsense_bag(0.0001f);
+  EXPECT_EQ(open(tenths).read(0).depth_mm(0, 0), 100.0f);
+  EXPECT_EQ(open(tenths, {.depth_unit_mm = 0.25}).read(0).depth_mm(0, 0), 250.0f);
+  for (const float wrong : {0.0f, -1.0f, 2.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    BagWriter bag = realsense_bag(wrong);
+    EXPECT_THAT(fault(bag), HasSubstr("m per count, expected a number from 0 to 1"));
+  }
+}
+
+TEST_F(RosbagTest, SeveralDepthTopicsAreListedAndOneIsChosen) {
+  BagWriter bag = recording("none");
+  bag.add("/wrist/depth/image_raw", kImage, 5.0, image_message({.encoding = "mono16"}, 900));
+  bag.add("/wrist/depth/camera_info", kCameraInfo, 5.0, camera_message({}));
+  EXPECT_THAT(fault(bag), AllOf(HasSubstr("2 depth topics"), HasSubstr("?topic="), HasSubstr(kDepth),
+                                HasSubstr("/wrist/depth/image_raw")));
+  EXPECT_EQ(open(bag, {.topic = "/wrist/depth/image_raw"}).read(0).depth_mm(0, 0), 900);
+  EXPECT_EQ(open_dataset("rosbag:" + path().string() + "?topic=/camera/depth/image_raw&first=2")
+                ->read(0)
+                .depth_mm(0, 0),
+            502);
+  EXPECT_THAT(fault(bag, {.topic = "/wrist"}),
+              HasSubstr("no images on the topic '/wrist'; those with images"));
+  EXPECT_THAT(fault(bag, {.topic = "/camera/rgb/image_raw"}), HasSubstr("encoding 'rgb8', expected depth"));
+}
+
+TEST_F(RosbagTest, WithoutADepthTopicItSaysWhatThereIs) {
+  BagWriter colour;
+  colour.add("/camera/rgb/image_raw", kImage, 5.0, image_message({.encoding = "rgb8"}, 0));
+  EXPECT_THAT(fault(colour), AllOf(HasSubstr("no depth topic"), HasSubstr("/camera/rgb/image_raw")));
+  BagWriter infrared;
+  infrared.add("/camera/ir/image", kImage, 5.0, image_message({.encoding = "mono16"}, 0));
+  EXPECT_THAT(fault(infrared), HasSubstr("no depth topic"));
+  BagWriter empty;
+  EXPECT_THAT(fault(empty), HasSubstr("topics with images: none"));
+}
+
+TEST_F(RosbagTest, ARectifiedTopicHasTheRectifiedCamera) {
+  BagWriter bag;
+  bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+  bag.add("/camera/depth/image_rect_raw", kImage, 1.0, image_message({}, 700));
+  EXPECT_EQ(open(bag).read(0).camera, (Camera{CameraModel::projective, 8, 6, 7.0, 6.5, 3.0, 2.0, {}}));
+}
+
+class RosbagCamera : public RosbagTest {
+ protected:
+  BagWriter with(const TestCameraInfo& info) const {
+    BagWriter bag;
+    bag.add(kInfo, kCameraInfo, 0.0, camera_message(info));
+    bag.add(kDepth, kImage, 1.0, image_message({}, 700));
+    return bag;
+  }
+  std::string fault_with(const TestCameraInfo& info) const {
+    BagWriter bag = with(info);
+    return fault(bag);
+  }
+};
+
+TEST_F(RosbagCamera, TakesOpenCvsDistortions) {
+  const std::vector<double> d{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8};
+  BagWriter bag = with({.model = "rational_polynomial", .d = d});
+  const Camera camera = open(bag).read(0).camera;
+  EXPECT_EQ(std::vector<double>(camera.distortion.begin(), camera.distortion.end()), d);
+}
+
+TEST_F(RosbagCamera, NamesWhatIsWrong) {
+  EXPECT_THAT(fault_with({.model = "equidistant"}), AllOf(HasSubstr("'equidistant'"), HasSubstr("?camera=")));
+  EXPECT_THAT(fault_with({.d = std::vector<double>(9, 0.1)}), HasSubstr("9 coefficients"));
+  EXPECT_THAT(fault_with({.k = {}}), HasSubstr("camera_info: the camera was not calibrated"));
+  EXPECT_THAT(fault_with({.k = {7, 0, std::nan(""), 0, 7, 2, 0, 0, 1}}), HasSubstr("camera_info"));
+  EXPECT_THAT(fault_with({.width = 0}), HasSubstr("camera_info"));
+  EXPECT_THAT(fault_with({.width = 4000000000u}), HasSubstr("at most 16384 a side"));
+  EXPECT_THAT(fault_with({.width = 16}), HasSubstr("frame 0: is 8x6 pixels, expected 16x6"));
+}
+
+TEST_F(RosbagCamera, MayComeFromAFile) {
+  BagWriter bag;
+  bag.add(kDepth, kImage, 1.0, image_message({}, 700));
+  EXPECT_THAT(fault(bag), AllOf(HasSubstr("no camera on the topic '/camera/depth/camera_info'"),
+                                HasSubstr("?camera=FILE.toml")));
+  put_file(folder_ / "camera.toml",
+           "pixel_origin='corner'\n[camera]\nwidth=8\nheight=6\nfx=7\nfy=7\ncx=4\ncy=3\n");
+  const Camera camera = open(bag, {.camera = (folder_ / "camera.toml").string()}).read(0).camera;
+  EXPECT_EQ(camera.cx, 3.5);
+}
+
+TEST_F(RosbagTest, RefusesWhatItCannotRead) {
+  const auto fault_of = [&](const auto& change) {
+    BagWriter bag = recording("none");
+    change(bag);
+    return fault(bag);
+  };
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "#ROSBAG V1.2\n"; }),
+              HasSubstr("version '1.2', expected 2.0"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "#ROSBAG V2.1\n"; }), HasSubstr("version '2.1'"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "SQLite format"; }), HasSubstr("no ROS 1 bag"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.encryptor = "rosbag/AesCbcEncryptor"; }),
+              HasSubstr("is encrypted"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.is_closed = false; }), HasSubstr("rosbag reindex"));
+  BagWriter zstd("zstd");
+  zstd.add(kDepth, kImage, 1.0, image_message({}, 700));
+  EXPECT_THAT(fault(zstd), HasSubstr("compression 'zstd', expected none, bz2 or lz4"));
+}
+
+TEST_F(RosbagTest, TooManyConnectionsAreRefused) {
+  BagWriter bag;
+  for (int i = 0; i <= 16384; ++i) bag.add(fmt::format("/{}", i), kImage, 1.0, "");
+  EXPECT_THAT(fault(bag), HasSubstr("more than 16384 connections"));
+}
+
+TEST_F(RosbagTest, AChunkThatSaysMoreThanItHoldsIsRefused) {
+  for (const char* compression : {"bz2", "lz4"}) {
+    for (const std::uint32_t more : {1u, 200'000'000u, ~0u}) {
+      BagWriter bag(compression);
+      bag.more_chunk_bytes = more;
+      bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+      bag.add(kDepth, kImage, 1.0, image_message({}, 700));
+      EXPECT_THAT(fault(bag), HasSubstr("a.bag")) << compression << " " << more;
+    }
+    BagWriter huge(compression);
+    huge.more_chunk_bytes = 400'000'000;
+    huge.add(kDepth, kImage, 1.0, image_message({}, 700));
+    EXPECT_THAT(fault(huge), HasSubstr("expected at most 268435456"));
+  }
+}
+
+TEST_F(RosbagTest, SizesOfImagesAreChecked) {
+  const auto fault_with = [&](std::uint32_t width, std::uint32_t height, std::uint32_t step) {
+    BagWriter bag;
+    bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
+    bag.add(kDepth, kImage, 1.0,
+            message_header(1.0) + little(height) + little(width) + with_length("16UC1") +
+                little(std::uint8_t{0}) + little(step) + with_length(std::string(96, '\1')));
+    return fault(bag);
+  };
+  EXPECT_THAT(fault_with(8, 6, 15), HasSubstr("rows of 15 bytes, expected at least 16"));
+  EXPECT_THAT(fault_with(8, 5, 16), HasSubstr("96 bytes, expected 80"));
+  EXPECT_THAT(fault_with(0, 6, 16), HasSubstr("0x6 pixels"));
+  EXPECT_THAT(fault_with(4294967295u, 4294967295u, 4294967295u), HasSubstr("1 to 16384 a side"));
+  EXPECT_THAT(fault_with(16384, 16384, 32768), HasSubstr("96 bytes, expected 536870912"));
+}
+
+TEST_F(RosbagTest, ADamagedChunkIsAFaultOfItsFramesAlone) {
+  BagWriter bag = recording("bz2");
+  std::string bytes = bag.bytes();
+  const std::size_t second_chunk = bytes.find("BZh9", bytes.find("BZh9") + 1);
+  bytes[second_chunk + 40] ^= 0x10;
+  put_file(path(), bytes);
+  const RosbagSource source(path());
+  ASSERT_EQ(source.size(), 8);
+  int faults = 0;
+  for (std::int64_t i = 0; i < source.size(); ++i) {
+    try {
+      (void)source.read(i);
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("a.bag"));
+      ++faults;
+    }
+  }
+  EXPECT_EQ(faults, 3);
+}
+
+}  // namespace
+}  // namespace knuckle
