@@ -48,8 +48,8 @@ TEST_F(PipelineFile, MayBeATextWhosePathsStartFromAFolder) {
   EXPECT_EQ(Pipeline::from_toml(toml, folder_.path()).resolved_options(), load("").resolved_options());
   EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml(toml, folder_ / "elsewhere"); }),
               HasSubstr("elsewhere/small.pt"));
-  EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml("hand = 1\n" + toml, folder_.path()); }),
-              HasSubstr("pipeline:1: hand"));
+  EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml("hands = 1\n" + toml, folder_.path()); }),
+              HasSubstr("pipeline:1: hands: unknown key"));
 }
 
 }  // namespace
