@@ -2,6 +2,7 @@
 #include "knuckle/eval/metrics/evaluation.h"
 
 #include "bindings.h"
+#include "interruptible.h"
 
 #include <filesystem>
 #include <map>
@@ -99,16 +100,17 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
   std::optional<Convention> convention;
   if (convention_name) convention = convention_from_name(*convention_name);
   GivenPredictions given(predictions, convention);
-  const WithoutLock unlocked;
   if (given.methods.empty() && boxes.empty()) fail("evaluate: nothing to score: give predictions or boxes");
-  const OpenedTruth opened = truth_from(truth_text, convention, camera);
-  given.read_files(convention, opened.origin);
-  std::optional<Evaluation> evaluation;
-  if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods);
-  std::vector<SegmentationScore> overlaps;
-  for (const auto& [name, path] : boxes)
-    overlaps.push_back(score_boxes(name, read_boxes_file(path), opened.truth.sequence.poses));
-  return to_json(evaluation, overlaps);
+  return interruptible([&] {
+    const OpenedTruth opened = truth_from(truth_text, convention, camera);
+    given.read_files(convention, opened.origin);
+    std::optional<Evaluation> evaluation;
+    if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods);
+    std::vector<SegmentationScore> overlaps;
+    for (const auto& [name, path] : boxes)
+      overlaps.push_back(score_boxes(name, read_boxes_file(path), opened.truth.sequence.poses));
+    return to_json(evaluation, overlaps);
+  });
 }
 
 }  // namespace
