@@ -13,6 +13,7 @@
 #include <pybind11/stl.h>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/text.h"
 
 namespace knuckle::python {
 namespace py = pybind11;
@@ -64,8 +65,15 @@ py::object side_of(const Frame& frame) {
   return py::str(side_name(*frame.side));
 }
 
+/// Names may be those of files, whose bytes need not be UTF-8: they become what Python makes of such files'
+/// names.
+py::str name_of_frame(const Frame& frame) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeFSDefaultAndSize(frame.name.data(), std::ssize(frame.name)));
+}
+
 std::string text_of(const Frame& frame) {
-  return fmt::format("<knuckle.Frame '{}', {} x {} pixels>", frame.name, frame.camera.width,
+  return fmt::format("<knuckle.Frame '{}', {} x {} pixels>", printable(frame.name), frame.camera.width,
                      frame.camera.height);
 }
 
@@ -100,8 +108,7 @@ void add_frame(py::module_& module) {
       .def_property_readonly(
           "sequence", [](const Frame& frame) { return frame.sequence; },
           "Number of the source's sequence, from 0 on.")
-      .def_property_readonly(
-          "name", [](const Frame& frame) { return frame.name; }, "Unique in its source.")
+      .def_property_readonly("name", &name_of_frame, "Unique in its source.")
       .def("__reduce__", &refuse_to_pickle)
       .def("__repr__", &text_of);
 }

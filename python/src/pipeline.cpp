@@ -28,6 +28,10 @@ constexpr const char* kDoc = R"(Finds hands in depth images: segments, crops, es
 Made by Pipeline.default(), Pipeline.load(path) or Pipeline.from_toml(text). It does not change, and may be used
 by many threads at once.)";
 
+constexpr const char* kFromTomlDoc = R"(The pipeline that the text of a pipeline file describes.
+
+folder: where relative paths in it start from; None: from that of the pipelines that come with Knuckle.)";
+
 constexpr const char* kEstimateDoc = R"(The hands in one depth image.
 
 depth: (rows, columns) array of float32, float64 or uint16. Times depth_unit_mm it is the distance along z [mm];
@@ -113,10 +117,7 @@ void add_pipeline(py::module_& module) {
           "default", [] { return load(resource_path("pipelines/default.toml")); },
           "The pipeline for single frames that comes with Knuckle.")
       .def_static("load", &load, py::arg("path"), "The pipeline that a file describes.")
-      .def_static("from_toml", &from_toml, py::arg("text"), py::arg("folder") = py::none(),
-                  "The pipeline that the text of such a file describes. Paths in it start from folder; None: "
-                  "from that "
-                  "of the pipelines that come with Knuckle.")
+      .def_static("from_toml", &from_toml, py::arg("text"), py::arg("folder") = py::none(), kFromTomlDoc)
       .def("estimate", &estimate, py::arg("depth"), py::arg("camera"), py::arg("start") = py::none(),
            py::kw_only(), py::arg("depth_unit_mm") = 1.0, kEstimateDoc)
       .def_property_readonly(

@@ -5,13 +5,14 @@ import collections.abc
 import os
 import pathlib
 import shutil
+import subprocess
 import tempfile
 import unittest
 
 import numpy as np
 
 import knuckle
-from testing import DEMO, demo_frames
+from testing import DEMO, demo_frames, program
 
 
 def same(first, second):
@@ -61,6 +62,17 @@ class Sequences(unittest.TestCase):
         np.testing.assert_allclose(frame.truth_px, projected, atol=1e-9)
         palm = frame.depth_mm[tuple(np.rint(frame.truth_px[1, ::-1]).astype(int))]
         self.assertLess(abs(palm - frame.truth_mm[1, 2]), 40)
+
+    def test_names_of_files_need_not_be_utf_8(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = pathlib.Path(folder) / "set"
+            subprocess.run([program(), "render", "--manifest", DEMO, "--count", "1", "--format", "folder", "--out", made], check=True,
+                           capture_output=True)
+            for image in made.glob("*/*.png"):
+                image.rename(image.with_name(os.fsdecode(b"\xff.png")))
+            frame, = knuckle.open_source(f"folder:{made}")
+            self.assertEqual(os.fsencode(frame.name), b"\xff")
+            self.assertIn("xff", repr(frame))
 
     def test_no_such_source(self):
         for text, words in (("nothing:x", "nothing"), ("folder:nowhere", "nowhere"), ("", ""), ("\0:\n", "")):
