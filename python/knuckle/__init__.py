@@ -53,7 +53,7 @@ def render(manifest, index):
     return _manifest_source(path, changed_ns)[index]
 
 
-def evaluate(truth, predictions, *, convention=None, camera=None, boxes=None):
+def evaluate(truth, predictions, *, convention=None, camera=None, boxes=None, landmarks=None):
     """Scores of predicted poses against truth, as a dict of what `knuckle evaluate --json` writes.
 
     truth: a source with labels, as text ("folder:my_set"), or the path of a poses file, then with its `camera`.
@@ -61,6 +61,9 @@ def evaluate(truth, predictions, *, convention=None, camera=None, boxes=None):
         row [px] and depth [mm], NaN where a joint is not known.
     convention: of files that do not name theirs, and of arrays; None: arrays are in knuckle22.
     boxes: dict of a method's name and the path of the boxes that `knuckle segment` wrote.
+    landmarks: the path of a landmark definition (`knuckle landmarks`), to whose landmarks predictions are moved before.
+
+    Ctrl-C ends it.
     """
     truth = _os.fspath(truth)
-    return _json.loads(_knuckle.evaluate_as_json(truth, dict(predictions), convention, camera, dict(boxes or {})))
+    return _json.loads(_knuckle.evaluate_as_json(truth, dict(predictions), convention, camera, dict(boxes or {}), landmarks))

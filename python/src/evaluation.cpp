@@ -96,7 +96,8 @@ struct GivenPredictions {
 std::string evaluate_as_json(const std::string& truth_text, const py::dict& predictions,
                              const std::optional<std::string>& convention_name,
                              const std::optional<Camera>& camera,
-                             const std::map<std::string, std::filesystem::path>& boxes) {
+                             const std::map<std::string, std::filesystem::path>& boxes,
+                             const std::optional<std::filesystem::path>& landmarks) {
   std::optional<Convention> convention;
   if (convention_name) convention = convention_from_name(*convention_name);
   GivenPredictions given(predictions, convention);
@@ -104,6 +105,7 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
   return interruptible([&] {
     const OpenedTruth opened = truth_from(truth_text, convention, camera);
     given.read_files(convention, opened.origin);
+    if (landmarks) move_landmarks(LandmarkDefinition::load(*landmarks), opened.truth, given.methods);
     std::optional<Evaluation> evaluation;
     if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods);
     std::vector<SegmentationScore> overlaps;
@@ -118,7 +120,7 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
 // What knuckle/__init__.py makes a dict of.
 void add_evaluation(py::module_& module) {
   module.def("evaluate_as_json", &evaluate_as_json, py::arg("truth"), py::arg("predictions"),
-             py::arg("convention"), py::arg("camera"), py::arg("boxes"));
+             py::arg("convention"), py::arg("camera"), py::arg("boxes"), py::arg("landmarks"));
 }
 
 }  // namespace knuckle::python

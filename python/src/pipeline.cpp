@@ -26,7 +26,8 @@ namespace {
 constexpr const char* kDoc = R"(Finds hands in depth images: segments, crops, estimates, refines.
 
 Made by Pipeline.default(), Pipeline.load(path) or Pipeline.from_toml(text). It does not change, and may be used
-by many threads at once.)";
+by many threads at once. With the path of a landmark definition (`knuckle landmarks`) as `landmarks`, poses have its
+landmarks in place of the model's.)";
 
 constexpr const char* kFromTomlDoc = R"(The pipeline that the text of a pipeline file describes.
 
@@ -50,14 +51,26 @@ struct Estimate {
   FrameRecord record;
 };
 
-Pipeline load(const std::filesystem::path& path) {
-  const WithoutLock unlocked;
-  return Pipeline::load(path);
+using Path = std::filesystem::path;
+
+Pipeline with_landmarks(Pipeline pipeline, const std::optional<Path>& definition) {
+  if (definition) pipeline.use_landmarks(LandmarkDefinition::load(*definition));
+  return pipeline;
 }
 
-Pipeline from_toml(const std::string& text, const std::optional<std::filesystem::path>& folder) {
+Pipeline load(const Path& path, const std::optional<Path>& landmarks) {
   const WithoutLock unlocked;
-  return Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines"));
+  return with_landmarks(Pipeline::load(path), landmarks);
+}
+
+Pipeline load_default(const std::optional<Path>& landmarks) {
+  return load(resource_path("pipelines/default.toml"), landmarks);
+}
+
+Pipeline from_toml(const std::string& text, const std::optional<Path>& folder,
+                   const std::optional<Path>& landmarks) {
+  const WithoutLock unlocked;
+  return with_landmarks(Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines")), landmarks);
 }
 
 std::optional<Point3> start_from(const py::object& start) {
@@ -113,11 +126,12 @@ void add_estimate(py::module_& module) {
 void add_pipeline(py::module_& module) {
   add_estimate(module);
   py::class_<Pipeline>(module, "Pipeline", kDoc)
-      .def_static(
-          "default", [] { return load(resource_path("pipelines/default.toml")); },
-          "The pipeline for single frames that comes with Knuckle.")
-      .def_static("load", &load, py::arg("path"), "The pipeline that a file describes.")
-      .def_static("from_toml", &from_toml, py::arg("text"), py::arg("folder") = py::none(), kFromTomlDoc)
+      .def_static("default", &load_default, py::arg("landmarks") = py::none(),
+                  "The pipeline for single frames that comes with Knuckle.")
+      .def_static("load", &load, py::arg("path"), py::arg("landmarks") = py::none(),
+                  "The pipeline that a file describes.")
+      .def_static("from_toml", &from_toml, py::arg("text"), py::arg("folder") = py::none(),
+                  py::arg("landmarks") = py::none(), kFromTomlDoc)
       .def("estimate", &estimate, py::arg("depth"), py::arg("camera"), py::arg("start") = py::none(),
            py::kw_only(), py::arg("depth_unit_mm") = 1.0, kEstimateDoc)
       .def_property_readonly(

@@ -111,6 +111,23 @@ class SameAsProgram(unittest.TestCase):
         array[2] = np.nan
         self.assertEqual(knuckle.evaluate(self.source, {"mine": array, "file": str(poses)})["methods"][0]["missing"], 1)
 
+    def test_landmark_definitions(self):
+        definition, poses, moved = (self.folder / name for name in ("landmarks.toml", "poses.txt", "moved.txt"))
+        run("landmarks", "--source", f"{self.frames.name}?count=12", "--out", definition)
+        run("estimate", "--source", self.source, "--landmarks", definition, "--out", moved)
+        pipeline = knuckle.Pipeline.default(landmarks=definition)
+        lines = moved.read_text().splitlines()[1:]
+        found = [self.pose_words(pipeline.estimate(frame.depth_mm, frame.camera)) for frame in self.frames]
+        self.assertEqual([" ".join(words) for words in found], lines)
+
+        scores = self.folder / "scores.json"
+        run("estimate", "--source", self.source, "--out", poses)
+        run("evaluate", "--truth", self.source, "--predictions", f"mine={poses}", "--landmarks", definition, "--json", scores)
+        self.assertNotEqual(poses.read_text(), moved.read_text())
+        self.assertEqual(knuckle.evaluate(self.source, {"mine": poses}, landmarks=definition), json.loads(scores.read_text()))
+        with self.assertRaisesRegex(knuckle.Error, "tracker"):
+            knuckle.Pipeline.load(knuckle.data_file("pipelines/track.toml"), landmarks=definition)
+
     def test_evaluate_refuses(self):
         good = np.zeros((COUNT, 22, 3))
         for predictions, words in (({}, "nothing to score"), ({"a": good[1:]}, "frames|poses"), ({"a": good[:, 1:]}, "22"),
