@@ -18,6 +18,7 @@ packages=(
 )
 development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py
+  python3-dev pybind11-dev
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
   # writes recordings that tests read

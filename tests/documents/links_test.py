@@ -13,7 +13,7 @@ PATH = re.compile(r"`((?:[a-z_.][\w.-]*/)+[\w.-]+\.(?:md|toml|sh|py|cpp|h|cmake|
 FOLDER = re.compile(r"`((?:[a-z_]+/)+)`")
 # Made by a command, or a file of the user's or of a data set.
 NOT_OURS = re.compile(r"^(report|figures|build|depth|infrared|mask|my_set|samples|share|tables|timings)/")
-LANGUAGES = {"sh", "toml", "cpp", "diff", ""}
+LANGUAGES = {"sh", "toml", "cpp", "python", "diff", ""}
 
 
 def folders_of(document):

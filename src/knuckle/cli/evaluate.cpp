@@ -4,7 +4,6 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/data/boxes_file.h"
-#include "knuckle/data/defined_pose.h"
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/eval/pictures/gallery.h"
@@ -63,22 +62,6 @@ std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, Pi
   std::vector<NamedPath> files;
   for (const std::string& text : arguments.predictions) files.push_back(named_path_from_text(text));
   return predictions_from_files(files, chosen_convention(arguments), origin);
-}
-
-/// Moves all predictions to where a definition says that the truth's landmarks lie.
-void move_landmarks(const std::filesystem::path& path, const Truth& truth,
-                    std::vector<Predictions>& predictions) {
-  const LandmarkDefinition definition = LandmarkDefinition::load(path);
-  for (Predictions& method : predictions) {
-    require_all_landmarks(method.sequence.convention, method.sequence.origin);
-    if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says
-    method.sequence.convention = definition.convention;
-    for (std::size_t i = 0; i < method.sequence.poses.size(); ++i) {
-      const auto frame = static_cast<std::int64_t>(i);
-      HandPose& pose = method.sequence.poses[i];
-      pose = defined_pose(definition, pose, truth.projection(frame), truth.side(frame));
-    }
-  }
 }
 
 void print_scores(const Evaluation& evaluation) {
@@ -143,7 +126,8 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
 
 void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
   std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
-  if (!arguments.landmarks.empty()) move_landmarks(arguments.landmarks, opened.truth, predictions);
+  if (!arguments.landmarks.empty())
+    move_landmarks(LandmarkDefinition::load(arguments.landmarks), opened.truth, predictions);
   Report report;
   if (!predictions.empty()) {
     report.evaluation = evaluate(opened.truth, predictions);

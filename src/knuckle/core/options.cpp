@@ -105,9 +105,7 @@ struct OptionTable::State {
 OptionTable::OptionTable(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 OptionTable OptionTable::load(const std::filesystem::path& path) {
-  OptionTable table = parse(read_regular_file(path, limits::kDocumentBytes), path.string());
-  table.state_->folder = path.parent_path();
-  return table;
+  return parse(read_regular_file(path, limits::kDocumentBytes), path.string(), path.parent_path());
 }
 
 /// Where a comment or a string that begins at `place` ends; `place` itself where there is none.
@@ -153,9 +151,11 @@ void require_shallow(std::string_view toml, const std::string& origin) {
   }
 }
 
-OptionTable OptionTable::parse(std::string_view toml, const std::string& origin) {
+OptionTable OptionTable::parse(std::string_view toml, const std::string& origin,
+                               const std::filesystem::path& folder) {
   auto state = std::make_shared<State>();
   state->origin = origin;
+  state->folder = folder;
   require_shallow(toml, origin);
   try {
     state->document = std::make_shared<const toml::table>(toml::parse(toml));

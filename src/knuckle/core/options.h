@@ -89,8 +89,10 @@ class OptionTable {
  public:
   /// Throws an Error that names the file (and line) where it is missing or no TOML.
   static OptionTable load(const std::filesystem::path& path);
-  /// `origin` stands for the file's name in messages.
-  static OptionTable parse(std::string_view toml, const std::string& origin);
+  /// `origin` stands for the file's name in messages; relative paths start from `folder`, by default that of
+  /// the process.
+  static OptionTable parse(std::string_view toml, const std::string& origin,
+                           const std::filesystem::path& folder = {});
 
   /// Sets the options that the table has a key for; the others keep their values.
   template <VisitableOptions Options>

@@ -123,7 +123,14 @@ Pipeline::Pipeline(PipelineParts parts)
 }
 
 Pipeline Pipeline::load(const std::filesystem::path& path) {
-  const OptionTable document = OptionTable::load(path);
+  return from_table(OptionTable::load(path));
+}
+
+Pipeline Pipeline::from_toml(std::string_view toml, const std::filesystem::path& folder) {
+  return from_table(OptionTable::parse(toml, "pipeline", folder));
+}
+
+Pipeline Pipeline::from_table(const OptionTable& document) {
   Pipeline pipeline(parts_from(document));
   document.finish();
   pipeline.resolved_options_ = document.resolved_toml();

@@ -77,6 +77,9 @@ class Pipeline {
   /// The pipeline that a file describes. Throws an Error that names file, line and key where the file, or a
   /// model that it names, is wrong.
   static Pipeline load(const std::filesystem::path& path);
+  /// The pipeline that the text of such a file describes; relative paths in it start from `folder`. Messages
+  /// call it "pipeline" where they would name a file.
+  static Pipeline from_toml(std::string_view toml, const std::filesystem::path& folder);
 
   /// A pipeline of these parts; patches are made as the estimator asks for. Throws an Error where a part is
   /// missing (null).
@@ -116,6 +119,7 @@ class Pipeline {
     std::optional<double> hand;
   };
 
+  static Pipeline from_table(const OptionTable& document);
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;

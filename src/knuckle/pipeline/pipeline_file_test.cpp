@@ -43,5 +43,14 @@ TEST_F(PipelineFile, IsSureWhereTheEstimatorIsUnlessItSaysOtherwise) {
   EXPECT_EQ(load("[hand]\nsure_confidence = 0.2\n").hand().sure_confidence, 0.2);
 }
 
+TEST_F(PipelineFile, MayBeATextWhosePathsStartFromAFolder) {
+  const std::string toml = "[estimator]\nmethod = 'dense'\nmodel = 'small.pt'\n";
+  EXPECT_EQ(Pipeline::from_toml(toml, folder_.path()).resolved_options(), load("").resolved_options());
+  EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml(toml, folder_ / "elsewhere"); }),
+              HasSubstr("elsewhere/small.pt"));
+  EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml("hands = 1\n" + toml, folder_.path()); }),
+              HasSubstr("pipeline:1: hands: unknown key"));
+}
+
 }  // namespace
 }  // namespace knuckle

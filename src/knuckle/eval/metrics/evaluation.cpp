@@ -8,6 +8,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/text.h"
+#include "knuckle/data/defined_pose.h"
 
 namespace knuckle {
 namespace {
@@ -86,6 +87,20 @@ Truth truth_from_source(const FrameSource& source, const std::string& name) {
   }
   merge_equal_projections(truth.projections);
   return truth;
+}
+
+void move_landmarks(const LandmarkDefinition& definition, const Truth& truth,
+                    std::vector<Predictions>& methods) {
+  for (Predictions& method : methods) {
+    require_all_landmarks(method.sequence.convention, method.sequence.origin);
+    if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says
+    method.sequence.convention = definition.convention;
+    for (std::size_t i = 0; i < method.sequence.poses.size(); ++i) {
+      const auto frame = static_cast<std::int64_t>(i);
+      HandPose& pose = method.sequence.poses[i];
+      pose = defined_pose(definition, pose, truth.projection(frame), truth.side(frame));
+    }
+  }
 }
 
 NamedPath named_path_from_text(std::string_view text) {

@@ -10,6 +10,7 @@
 
 #include "knuckle/data/frame_source.h"
 #include "knuckle/eval/metrics/metrics.h"
+#include "knuckle/hand/landmark_definition.h"
 
 namespace knuckle {
 
@@ -37,6 +38,11 @@ Truth truth_from_file(const std::filesystem::path& path, const std::optional<Con
 /// Truth from a source's labels; opens no image where the source can do without. `name` is the source's, for
 /// messages. Throws an Error where the source has no truth.
 Truth truth_from_source(const FrameSource& source, const std::string& name);
+
+/// Moves all predictions to where a definition says that the truth's landmarks lie. Throws an Error where one
+/// lacks some of the 22 landmarks that this is made of.
+void move_landmarks(const LandmarkDefinition& definition, const Truth& truth,
+                    std::vector<Predictions>& methods);
 
 /// One `NAME=PATH` of the option `--predictions`.
 struct NamedPath {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "knuckle/core/error.h"
+
+namespace knuckle::python {
+namespace py = pybind11;
+
+namespace {
+
+std::vector<py::ssize_t> shape_of(const py::array& array) {
+  return {array.shape(), array.shape() + array.ndim()};
+}
+
+/// Rotations that users write down are rounded.
+constexpr double kRigidTolerance = 1e-6;
+
+bool is_rigid(const Eigen::Matrix4d& matrix) {
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  const bool has_last_row = matrix.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0);
+  return matrix.allFinite() && has_last_row && rotation.determinant() > 0.0 &&
+         (rotation * rotation.transpose()).isIdentity(kRigidTolerance);
+}
+
+}  // namespace
+
+py::array_t<double> doubles(const py::object& values, const std::vector<py::ssize_t>& shape,
+                            std::string_view what) {
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(values);
+  if (!array)
+    throw py::type_error(
+        fmt::format("{}: expected numbers, an array of the shape ({})", what, fmt::join(shape, ", ")));
+  if (shape_of(array) != shape) {
+    fail("{}: has the shape ({}), expected ({})", what, fmt::join(shape_of(array), ", "),
+         fmt::join(shape, ", "));
+  }
+  return array;
+}
+
+py::array_t<double> array_of(std::span<const Point3> points) {
+  py::array_t<double> array({std::ssize(points), py::ssize_t{3}});
+  auto values = array.mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < std::ssize(points); ++i) {
+    for (int k = 0; k < 3; ++k) values(i, k) = points[static_cast<std::size_t>(i)][k];
+  }
+  return array;
+}
+
+py::array_t<double> array_of(std::span<const PixelPoint> points) {
+  py::array_t<double> array({std::ssize(points), py::ssize_t{2}});
+  auto values = array.mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < std::ssize(points); ++i) {
+    values(i, 0) = points[static_cast<std::size_t>(i)].u;
+    values(i, 1) = points[static_cast<std::size_t>(i)].v;
+  }
+  return array;
+}
+
+py::array_t<double> matrix_of(const RigidTransform& transform) {
+  py::array_t<double> array({4, 4});
+  auto values = array.mutable_unchecked<2>();
+  const Eigen::Matrix4d matrix = transform.matrix();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) values(row, column) = matrix(row, column);
+  }
+  return array;
+}
+
+RigidTransform transform_from(const py::object& values, std::string_view what) {
+  const auto array = doubles(values, {4, 4}, what);
+  Eigen::Matrix4d matrix;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) matrix(row, column) = array.at(row, column);
+  }
+  if (!is_rigid(matrix))
+    fail("{}: expected a rotation and a shift, as a (4, 4) matrix with the last row 0, 0, 0, 1", what);
+  RigidTransform transform = RigidTransform::Identity();
+  transform.matrix() = matrix;
+  return transform;
+}
+
+}  // namespace knuckle::python
