@@ -52,6 +52,23 @@ TEST(Placement, TheHandIsInTheImageAtTheDistanceAskedFor) {
   }
 }
 
+TEST(Placement, NoPartOfTheHandIsSoNearThatItFillsTheImage) {
+  const auto hand = box_hand();
+  Camera wide = test_camera();
+  wide.fx = wide.fy = 30;  // all of a near hand is in the image
+  const PlacementOptions options{.nearest_mm = 150, .farthest_mm = 200, .border_share = 0};
+  int found = 0;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    Random random(7, i);
+    const PlacedPosture placed = sampled_placement(hand->rig, HandAngles{}, wide, options, random);
+    const BodyPose pose = hand->rig.pose(placed.posture, placed.camera_from_body);
+    if (violation(hand->rig, pose, wide, options, 0.0) > 0.0) continue;  // the search may end without one
+    ++found;
+    for (const Point3& landmark : hand->rig.landmarks(pose)) EXPECT_GE(landmark.z(), 119.9) << i;
+  }
+  EXPECT_GT(found, 150);
+}
+
 TEST(Placement, APresentedHandIsHeldUpWithItsPalmToTheCamera) {
   const auto hand = box_hand();
   const PlacementOptions options{.presented_share = 1.0, .palm_deg = 40, .upright_deg = 60};
