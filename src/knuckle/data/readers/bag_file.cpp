@@ -61,7 +61,7 @@ std::uint32_t BagFields::u32(std::string_view name) const {
 BagFile::BagFile(std::filesystem::path path) : path_(std::move(path)), file_(path_) {
   const std::vector<std::uint8_t> start = read(0, std::min<std::uint64_t>(size(), first_record()));
   const std::string_view line(reinterpret_cast<const char*>(start.data()), start.size());
-  if (!line.starts_with(kBagSignature)) fail("{}: is no ROS 1 bag (#ROSBAG V2.0)", path_.string());
+  if (!line.starts_with(kBagSignature)) fail("{}: is not a ROS 1 bag (#ROSBAG V2.0)", path_.string());
   const std::string_view version = line.substr(kBagSignature.size());
   if (version != kBagVersion) {
     fail("{}: is a ROS bag of version '{}', expected 2.0", path_.string(), printable(trimmed(version)));

@@ -26,7 +26,7 @@ enum class BagRecordKind : std::uint8_t {
 /// The `name=value` fields of a record's header, or of a connection's data.
 class BagFields {
  public:
-  /// Throws an Error that starts with `where` where the bytes are no fields.
+  /// Throws an Error that starts with `where` where the bytes are not fields.
   BagFields(std::span<const std::uint8_t> bytes, std::string where);
 
   BagRecordKind kind() const;
@@ -53,7 +53,7 @@ struct BagRecord {
 /// A ROS 1 bag of format 2.0 as records at places. Safe to be read by many threads.
 class BagFile {
  public:
-  /// Throws an Error that names the file where it is missing, not regular, or no bag of this version.
+  /// Throws an Error that names the file where it is missing, not regular, or not a bag of this version.
   explicit BagFile(std::filesystem::path path);
 
   const std::filesystem::path& path() const { return path_; }

@@ -27,10 +27,7 @@ class KinectClock {
  public:
   /// Seconds since the clock's first 0.
   double time_s(const FakenectStamp& stamp) {
-    if (last_)
-      elapsed_ += ticks_between(*last_, stamp);
-    else
-      elapsed_ = stamp.ticks;
+    elapsed_ = last_ ? elapsed_ + ticks_between(*last_, stamp) : stamp.ticks;
     last_ = stamp;
     return elapsed_ / kTicksPerSecond;
   }
@@ -52,7 +49,7 @@ std::uint32_t parse_ticks(std::string_view text, std::string_view where) {
   const std::string_view digits = text.substr(0, text.find_first_not_of("0123456789"));
   const std::string_view extension = text.substr(digits.size());
   if (!extension.empty() && extension.front() != '.' && extension.front() != '-') {
-    fail("{}: '{}' is no number of ticks", where, text);
+    fail("{}: '{}' is not a number of ticks", where, text);
   }
   const long long ticks = parse_integer(digits, where);
   if (ticks >= static_cast<long long>(kTicksPerTurn))
@@ -64,7 +61,7 @@ FakenectStamp parse_stamp(std::string_view name, std::string_view where) {
   const std::size_t dash = name.find('-', 2);
   if (dash == std::string_view::npos) fail("{}: '{}' is not TYPE-TIME-TICKS.EXTENSION", where, name);
   const double host_s = parse_number(name.substr(2, dash - 2), where);
-  if (!(host_s >= 0.0 && host_s <= kLatestHostTime)) fail("{}: {} is no time in seconds", where, host_s);
+  if (!(host_s >= 0.0 && host_s <= kLatestHostTime)) fail("{}: {} is not a time in seconds", where, host_s);
   return {host_s, parse_ticks(name.substr(dash + 1), where)};
 }
 

@@ -27,7 +27,7 @@ struct FakenectOptions {
 class FakenectSource final : public FrameSource {
  public:
   /// Throws an Error that names the file where INDEX.txt is missing or wrong, where none of its first images
-  /// can be read, or where these are no Kinect's depth.
+  /// can be read, or where these are not a Kinect's depth.
   explicit FakenectSource(std::filesystem::path folder, const FakenectOptions& options = {});
 
   std::int64_t size() const override { return static_cast<std::int64_t>(images_.size()); }

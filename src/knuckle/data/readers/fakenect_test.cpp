@@ -195,12 +195,12 @@ TEST(FakenectIndex, NamesFileLineAndFault) {
   EXPECT_THAT(index_fault("hello"), HasSubstr("INDEX.txt:2: 'hello' is not TYPE-TIME-TICKS"));
   EXPECT_THAT(index_fault("d-1.0"), HasSubstr("is not TYPE-TIME-TICKS"));
   EXPECT_THAT(index_fault("d--1.0-5.pgm"), HasSubstr("INDEX.txt:2"));
-  EXPECT_THAT(index_fault("d-nan-5.pgm"), HasSubstr("no time in seconds"));
-  EXPECT_THAT(index_fault("d-1e300-5.pgm"), HasSubstr("no time in seconds"));
+  EXPECT_THAT(index_fault("d-nan-5.pgm"), HasSubstr("not a time in seconds"));
+  EXPECT_THAT(index_fault("d-1e300-5.pgm"), HasSubstr("not a time in seconds"));
   EXPECT_THAT(index_fault("d-1.0-4294967296.pgm"), HasSubstr("more than 32 bits"));
   EXPECT_THAT(index_fault("d-1.0-99999999999999999999999.pgm"), HasSubstr("INDEX.txt:2"));
   EXPECT_THAT(index_fault("d-1.0-.pgm"), HasSubstr("INDEX.txt:2"));
-  EXPECT_THAT(index_fault("d-1.0-5x.pgm"), HasSubstr("'5x.pgm' is no number of ticks"));
+  EXPECT_THAT(index_fault("d-1.0-5x.pgm"), HasSubstr("'5x.pgm' is not a number of ticks"));
 }
 
 /// Lines of depth images at these times of the Kinect, whose clock turns, and of the computer [s].

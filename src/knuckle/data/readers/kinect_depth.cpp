@@ -83,7 +83,7 @@ KinectDepthFormat kinect_format_of(const Image<std::uint16_t>& stored, std::stri
     const KinectValues values = values_of(stored, is_big_endian);
     if (values.highest <= highest) return {unit_of(values, unit), is_big_endian};
   }
-  fail("{}: no Kinect's depth: it has values above {} in either order of bytes", where, highest);
+  fail("{}: not a Kinect's depth image: has values above {} in either order of bytes", where, highest);
 }
 
 Image<float> kinect_depth_mm(const Image<std::uint16_t>& stored, const KinectDepthFormat& format,

@@ -10,7 +10,7 @@ namespace knuckle {
 
 /// The numbers of a binary PGM image of 16 bits (`P5`), each pair of bytes read as little-endian, which is
 /// not what the format says: who calls knows in which order they were written. Throws an Error that starts
-/// with `where` where it is no such image, or has more or fewer bytes than its header says.
+/// with `where` where it is not such an image, or has more or fewer bytes than its header says.
 Image<std::uint16_t> decode_pgm16(std::string_view bytes, std::string_view where);
 
 /// The same of numbers without a header.

@@ -34,8 +34,8 @@ struct BagMessage {
 /// together or a single larger one. Safe to be read by many threads.
 class Rosbag {
  public:
-  /// Throws an Error that names the file where it is no bag, damaged, cut short, encrypted, was not closed by
-  /// its recorder, or has a chunk of an unknown compression or above the limit.
+  /// Throws an Error that names the file where it is not a bag, damaged, cut short, encrypted, was not closed
+  /// by its recorder, or has a chunk of an unknown compression or above the limit.
   explicit Rosbag(std::filesystem::path path);
 
   const std::filesystem::path& path() const { return file_.path(); }

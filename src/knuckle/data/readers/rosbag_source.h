@@ -28,8 +28,8 @@ struct RosbagOptions {
 /// is a fault of its frame.
 class RosbagSource final : public FrameSource {
  public:
-  /// Throws an Error that names the file where it is no bag that can be read, has no depth topic, several and
-  /// none is chosen (and lists them), or no camera.
+  /// Throws an Error that names the file where it is not a bag that can be read, has no depth topic, several
+  /// and none is chosen (and lists them), or no camera.
   explicit RosbagSource(std::filesystem::path path, const RosbagOptions& options = {});
 
   std::int64_t size() const override { return static_cast<std::int64_t>(images_.size()); }

@@ -471,7 +471,7 @@ TEST_F(RosbagTest, RefusesWhatItCannotRead) {
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "#ROSBAG V1.2\n"; }),
               HasSubstr("version '1.2', expected 2.0"));
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "#ROSBAG V2.1\n"; }), HasSubstr("version '2.1'"));
-  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "SQLite format"; }), HasSubstr("no ROS 1 bag"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.version = "SQLite format"; }), HasSubstr("not a ROS 1 bag"));
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.encryptor = "rosbag/AesCbcEncryptor"; }),
               HasSubstr("is encrypted"));
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.is_closed = false; }), HasSubstr("rosbag reindex"));
