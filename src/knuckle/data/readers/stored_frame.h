@@ -26,11 +26,11 @@ struct StoredFrame {
   double time_s = kNaN;  ///< NaN where it is not known
   std::int32_t sequence = 0;
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};  ///< 22 x 3 in camera coordinates; NaN
-  std::vector<std::uint8_t> depth;                                ///< counts, shuffled and deflated
-  std::vector<std::uint8_t> infrared;                             ///< the same; empty where there is none
-  std::vector<std::uint8_t> mask;                                 ///< deflated; empty where there is none
-  std::vector<std::uint8_t> labels;                               ///< the same
-  std::vector<StoredHand> hands;                                  ///< all in view
+  std::vector<std::uint8_t> depth = {};                           ///< counts, shuffled and deflated
+  std::vector<std::uint8_t> infrared = {};                        ///< the same; empty where there is none
+  std::vector<std::uint8_t> mask = {};                            ///< deflated; empty where there is none
+  std::vector<std::uint8_t> labels = {};                          ///< the same
+  std::vector<StoredHand> hands = {};                             ///< all in view
 };
 
 /// Encodes a frame; the costly part of writing it. Throws an Error that starts with `where` where a depth
