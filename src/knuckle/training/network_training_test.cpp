@@ -320,8 +320,9 @@ TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
   EXPECT_THAT(
       error_of([&] { train_network(small_network(), short_training(), {}, {none}, validation_, run()); }),
       HasSubstr("no sample to train on"));
-  EXPECT_THAT(error_of([&] { train_network(small_network(), short_training(), {}, {training_}, none, run()); }),
-              HasSubstr("no sample to validate on"));
+  EXPECT_THAT(
+      error_of([&] { train_network(small_network(), short_training(), {}, {training_}, none, run()); }),
+      HasSubstr("no sample to validate on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "net.pt"));
 }
 

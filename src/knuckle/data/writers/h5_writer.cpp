@@ -33,8 +33,8 @@ fs::path log_path(const fs::path& path, const FrameWriterOptions& options) {
 
 /// All that the frames of a run depend on.
 std::string identity_of(const FrameWriterOptions& options) {
-  return fmt::format("with hands and labels\nfirst {}\ncount {}\ndepth_unit_mm {}\n{}", options.first, options.count,
-                     options.depth_unit_mm, options.manifest);
+  return fmt::format("with hands and labels\nfirst {}\ncount {}\ndepth_unit_mm {}\n{}", options.first,
+                     options.count, options.depth_unit_mm, options.manifest);
 }
 
 std::string landmark_names() {
