@@ -201,9 +201,10 @@ HandTruth H5Source::read_hand(std::uint64_t hand, const Projection& projection,
   std::array<std::uint8_t, kSupersetSize> occluders{};
   file_.read_rows(kH5HandsOccluders, hand, 1, occluders.data());
   for (const std::uint8_t occluder : occluders) {
-    if (occluder > static_cast<std::uint8_t>(Occluder::border))
+    if (occluder > static_cast<std::uint8_t>(Occluder::border)) {
       fail("{}: {}: holds {}, expected 0 to {}", where, kH5HandsOccluders, occluder,
            static_cast<int>(Occluder::border));
+    }
     truth.occluders.push_back(static_cast<Occluder>(occluder));
   }
   file_.read_rows(kH5HandsVisible, hand, 1, &truth.visible_share);

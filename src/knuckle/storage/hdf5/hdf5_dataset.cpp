@@ -94,7 +94,10 @@ void Hdf5Dataset::fault(std::string_view message) const {
 
 /// File Format Specification, IV.A.2.i.
 void Hdf5Dataset::read_layout(const std::vector<Hdf5Message>& messages) {
-  enum LayoutClass : unsigned { kCompact = 0, kInOnePiece = 1, kChunked = 2, kVirtual = 3 };
+  constexpr unsigned kCompact = 0;
+  constexpr unsigned kInOnePiece = 1;
+  constexpr unsigned kChunked = 2;
+  constexpr unsigned kVirtual = 3;
   const Hdf5Message* const message = find_message(messages, Hdf5MessageType::layout);
   if (message == nullptr || message->is_shared) fault("expected an array");
   Hdf5Cursor cursor(message->bytes, *file_);

@@ -12,7 +12,11 @@
 namespace knuckle {
 namespace {
 
-enum TypeClass : unsigned { kInteger = 0, kFloating = 1, kText = 3, kVariableLength = 9 };
+// Classes of types.
+constexpr unsigned kInteger = 0;
+constexpr unsigned kFloating = 1;
+constexpr unsigned kText = 3;
+constexpr unsigned kVariableLength = 9;
 
 /// Where sign, exponent and mantissa lie in IEEE 754's numbers of 4 and 8 bytes.
 bool is_ieee(Hdf5Cursor& properties, unsigned sign_place, std::size_t bytes) {
@@ -69,7 +73,7 @@ std::string convert_from(std::span<const std::uint8_t> stored, bool is_big_endia
   for (std::size_t i = 0; i < to.size(); ++i) {
     const From value = stored_number<From>(stored.data() + i * sizeof(From), is_big_endian);
     if (!fits<To>(value)) return fmt::format("{}", value);
-    to[i] = static_cast<To>(value);
+    to[i] = static_cast<To>(value);  // NOLINT(bugprone-signed-char-misuse): these are numbers
   }
   return {};
 }
