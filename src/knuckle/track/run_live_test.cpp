@@ -103,9 +103,14 @@ TEST(RunLive, LooksAtEachFrameWhereThereIsTime) {
 
 TEST(RunLive, TheNewestFrameWinsAndTheOthersAreCounted) {
   std::atomic<int> arrived = 0;
-  CountingStream stream(10, [&](int number) { arrived = number; });
+  std::atomic<bool> is_first_seen = false;
+  CountingStream stream(10, [&](int number) {
+    while (number > 0 && !is_first_seen) std::this_thread::sleep_for(milliseconds(1));
+    arrived = number;
+  });
   // The first frame takes until the last but one has come.
   const Pipeline pipeline = pipeline_with([&](const Frame& frame) {
+    is_first_seen = true;
     while (frame.name == "0" && arrived < 9) std::this_thread::sleep_for(milliseconds(1));
   });
   std::vector<std::int64_t> indices;

@@ -107,7 +107,7 @@ StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes) {
     place += head.sizes[image++];
   }
   frame.hands.resize(head.hands);
-  std::memcpy(frame.hands.data(), place, head.hands * sizeof(StoredHand));
+  if (head.hands > 0) std::memcpy(frame.hands.data(), place, head.hands * sizeof(StoredHand));
   return frame;
 }
 
