@@ -36,7 +36,7 @@ LandmarkDefinition random_definition(const Convention& convention, Random& rando
   return definition;
 }
 
-SupersetPoints moved(const SupersetPoints& hand, const Eigen::Matrix3d& matrix, const Point3& shift) {
+SupersetPoints moved_hand(const SupersetPoints& hand, const Eigen::Matrix3d& matrix, const Point3& shift) {
   SupersetPoints result = hand;
   for (Point3& point : result) point = matrix * point + shift;
   return result;
@@ -114,8 +114,8 @@ TEST(LandmarkDefinitionTest, FollowsMotionSizeAndMirrors) {
     const Eigen::Matrix3d turn =
         1.7 * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
     const Point3 shift(10, -20, 400);
-    const auto turned = definition.on(moved(hand, turn, shift), HandSide::right);
-    const auto left = definition.on(moved(hand, mirror, Point3::Zero()), HandSide::left);
+    const auto turned = definition.on(moved_hand(hand, turn, shift), HandSide::right);
+    const auto left = definition.on(moved_hand(hand, mirror, Point3::Zero()), HandSide::left);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_LT((turned[i] - (turn * points[i] + shift)).norm(), 1e-9);
       EXPECT_LT((left[i] - mirror * points[i]).norm(), 1e-9);

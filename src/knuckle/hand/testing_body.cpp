@@ -86,15 +86,13 @@ class Builder {
   std::vector<Eigen::Vector3f> heads_;
 };
 
-}  // namespace
+const Eigen::Vector3f kElbow(0, 250, 0);
+const Eigen::Vector3f kWrist(0, 0, 0);
 
-Body box_hand_body() {
-  Builder builder;
-  const Eigen::Vector3f elbow(0, 250, 0);
-  const Eigen::Vector3f wrist(0, 0, 0);
-  const std::int32_t forearm_bone = builder.add_bone("lowerarm02.R", -1, elbow);
-  const std::int32_t wrist_bone = builder.add_bone("wrist.R", forearm_bone, wrist);
-  builder.add_tube({elbow, wrist}, {forearm_bone}, {25, 20}, 0);
+/// The hand, which hangs from the bone `forearm`.
+void add_hand(Builder& builder, std::int32_t forearm) {
+  const Eigen::Vector3f wrist = kWrist;
+  const std::int32_t wrist_bone = builder.add_bone("wrist.R", forearm, wrist);
   builder.add_tube({wrist, {0, -80, 0}}, {wrist_bone}, {40, 13}, 1);
   builder.set_landmark(Landmark::wrist, wrist, wrist_bone);
   builder.set_landmark(Landmark::palm, {0, -45, 0}, wrist_bone);
@@ -123,6 +121,27 @@ Body box_hand_body() {
       builder.set_landmark(static_cast<Landmark>(first + k), joints[k], bones[std::min(k, 2)]);
     }
   }
+}
+
+}  // namespace
+
+Body box_hand_body() {
+  Builder builder;
+  const std::int32_t forearm = builder.add_bone("lowerarm02.R", -1, kElbow);
+  builder.add_tube({kElbow, kWrist}, {forearm}, {25, 20}, 0);
+  add_hand(builder, forearm);
+  return builder.finish();
+}
+
+Body box_arm_body() {
+  Builder builder;
+  const Eigen::Vector3f shoulder(0, 530, 40);
+  const Eigen::Vector3f middle(0, 125, 0);
+  const std::int32_t upper_arm = builder.add_bone("upperarm01.R", -1, shoulder);
+  const std::int32_t elbow = builder.add_bone("lowerarm01.R", upper_arm, kElbow);
+  const std::int32_t forearm = builder.add_bone("lowerarm02.R", elbow, middle);
+  builder.add_tube({shoulder, kElbow, middle, kWrist}, {upper_arm, elbow, forearm}, {25, 20}, 0);
+  add_hand(builder, forearm);
   return builder.finish();
 }
 

@@ -12,4 +12,8 @@ namespace knuckle::testing {
 /// the body's right (-x).
 Body box_hand_body();
 
+/// The same hand on a whole arm, with the bones of the real body from upperarm01.R on: the shoulder is at
+/// (0, 530, 40), the elbow, at rest bent a little, at (0, 250, 0), lowerarm02.R begins at (0, 125, 0).
+Body box_arm_body();
+
 }  // namespace knuckle::testing
