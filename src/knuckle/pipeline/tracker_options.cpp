@@ -6,7 +6,7 @@
 namespace knuckle {
 
 void TrackerOptions::visit(OptionVisitor& visitor) {
-  static constexpr std::array<std::string_view, 2> kSmoothings{"none", "one_euro"};
+  static constexpr std::array<std::string_view, 3> kSmoothings{"none", "one_euro", "kalman"};
   visitor.choice("smoothing", smoothing, kSmoothings);
   visitor.real("strength", strength, closed(0.01, 100));
   visitor.real("search_every_s", search_every_s, closed(0, 3600));

@@ -1,33 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/refine/hand_model.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
-#include "knuckle/core/portable_math.h"
 #include "knuckle/hand/adult_skeleton.h"
 #include "knuckle/refine/skeleton_pose.h"
 #include "knuckle/refine/surface_near.h"
 
 namespace knuckle {
-namespace {
-
-/// How likely what was fitted is a hand, (0, 1]: things that are none have surfaces that no hand has, or look
-/// like hands of a size that nobody has. Numbers from manifests/test_scenes.toml and the same rooms without
-/// people (docs/hand-model.md).
-double plausibility_of(const SkeletonFit& fit) {
-  constexpr double kForeignGapMm = 9.0;
-  constexpr double kUsualSize =
-      0.3;  // of the logarithm, either way: from children of six to the largest adults
-  constexpr double kSizeSlack = 0.2;
-  const double gap = std::isnan(fit.gap_mm) ? 0.0 : fit.gap_mm / kForeignGapMm;
-  const double size = std::max(0.0, std::abs(portable_log(fit.pose.size)) - kUsualSize) / kSizeSlack;
-  return portable_exp(-gap * gap * gap * gap - size * size);
-}
-
-}  // namespace
 
 void HandModelOptions::visit(OptionVisitor& visitor) {
   visitor.real("noise_mm", noise_mm, open_closed(0, 1000));

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/refine/skeleton_pose.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/portable_math.h"
 
 namespace knuckle {
 
@@ -28,6 +32,17 @@ HandPose with_skeleton(HandPose pose, const HandSkeleton& skeleton, const Skelet
     pose.joints[i] = projection.to_image(points[landmark]);
   }
   return pose;
+}
+
+/// Numbers from manifests/test_scenes.toml and the same rooms without people.
+double plausibility_of(const SkeletonFit& fit) {
+  constexpr double kForeignGapMm = 9.0;
+  constexpr double kUsualSize =
+      0.3;  // of the logarithm, either way: from children of six to the largest adults
+  constexpr double kSizeSlack = 0.2;
+  const double gap = std::isnan(fit.gap_mm) ? 0.0 : fit.gap_mm / kForeignGapMm;
+  const double size = std::max(0.0, std::abs(portable_log(fit.pose.size)) - kUsualSize) / kSizeSlack;
+  return portable_exp(-gap * gap * gap * gap - size * size);
 }
 
 }  // namespace knuckle

@@ -15,4 +15,8 @@ LandmarkTargets targets_of(const HandPose& pose, const Camera& camera);
 HandPose with_skeleton(HandPose pose, const HandSkeleton& skeleton, const SkeletonPose& fitted,
                        const Camera& camera, bool fill);
 
+/// How likely what was fitted is a hand, (0, 1]: things that are none have surfaces that no hand has, or look
+/// like hands of a size that nobody has (docs/hand-model.md).
+double plausibility_of(const SkeletonFit& fit);
+
 }  // namespace knuckle

@@ -18,13 +18,19 @@ double angle_between(const RigidTransform& a, const RigidTransform& b) {
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
 
-TEST(PoseSmoother, LeavesAStillHandAsItIs) {
+class PoseSmootherTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  PoseSmoother smoother{{.smoothing = GetParam()}};
+};
+INSTANTIATE_TEST_SUITE_P(Smoothings, PoseSmootherTest, ::testing::Values("one_euro", "kalman"),
+                         [](const auto& test) { return test.param; });
+
+TEST_P(PoseSmootherTest, LeavesAStillHandAsItIs) {
   Random random(1);
   SkeletonPose pose;
   pose.camera_from_hand = testing::random_pose(random);
   pose.angles = testing::random_angles(healthy_limits(), random);
   pose.size = 1.1;
-  PoseSmoother smoother({});
   for (int i = 0; i < 4; ++i) {
     const SkeletonPose smoothed = smoother.smooth(pose, kFrame_s);
     EXPECT_LT((smoothed.camera_from_hand.matrix() - pose.camera_from_hand.matrix()).norm(), 1e-9);
@@ -34,8 +40,7 @@ TEST(PoseSmoother, LeavesAStillHandAsItIs) {
   }
 }
 
-TEST(PoseSmoother, TurnsThroughAllAnglesWithoutASeam) {
-  PoseSmoother smoother({});
+TEST_P(PoseSmootherTest, TurnsThroughAllAnglesWithoutASeam) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -0.5).normalized();
   for (int i = 0; i < 200; ++i) {  // 2 rad/s: two turns
     SkeletonPose pose;
@@ -49,10 +54,9 @@ TEST(PoseSmoother, TurnsThroughAllAnglesWithoutASeam) {
   }
 }
 
-TEST(PoseSmoother, TakesTheTremblingFromAHandThatRests) {
+TEST_P(PoseSmootherTest, TakesTheTremblingFromAHandThatRests) {
   Random random(2);
   const RigidTransform rest = testing::random_pose(random);
-  PoseSmoother smoother({});
   double before = 0.0;
   double after = 0.0;
   for (int i = 0; i < 600; ++i) {
@@ -74,6 +78,44 @@ TEST(PoseSmoother, TakesTheTremblingFromAHandThatRests) {
     after += error(smoothed);
   }
   EXPECT_LT(std::sqrt(after / before), 0.5);
+}
+
+TEST_P(PoseSmootherTest, KeepsAnglesWithinTheirLimits) {
+  for (int i = 0; i < 60; ++i) {  // bends ever faster, and stops at a limit
+    SkeletonPose pose;
+    pose.angles[HandAngle::index_pip] = std::min(0.001 * i * i, 1.5);
+    pose.angles = clamped(pose.angles);
+    EXPECT_TRUE(within_limits(smoother.smooth(pose, kFrame_s).angles)) << i;
+  }
+}
+
+TEST(PoseSmoother, WithoutSmoothingAnswersWhatItGot) {
+  PoseSmoother smoother({.smoothing = "none"});
+  for (const double angle : {0.1, 0.9, 0.3}) {
+    SkeletonPose pose;
+    pose.angles[HandAngle::index_pip] = angle;
+    EXPECT_EQ(smoother.smooth(pose, kFrame_s).angles[HandAngle::index_pip], angle);
+  }
+}
+
+TEST(PoseSmoother, StrengthSmoothsMore) {
+  const auto trembling = [](const std::string& smoothing, double strength) {
+    Random random(3);
+    PoseSmoother smoother({.smoothing = smoothing, .strength = strength});
+    double squares = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      SkeletonPose pose;
+      pose.camera_from_hand.translation() = 2.0 * Point3(random.normal(), random.normal(), random.normal());
+      if (i >= 60)
+        squares += smoother.smooth(pose, kFrame_s).camera_from_hand.translation().squaredNorm();
+      else
+        smoother.smooth(pose, kFrame_s);
+    }
+    return squares;
+  };
+  for (const char* const smoothing : {"one_euro", "kalman"}) {
+    EXPECT_LT(trembling(smoothing, 2.0), 0.9 * trembling(smoothing, 0.5)) << smoothing;
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "knuckle/hand/adult_skeleton.h"
 #include "knuckle/refine/skeleton_pose.h"
 #include "knuckle/refine/surface_near.h"
+#include "knuckle/track/one_euro_filter.h"
 #include "knuckle/track/pose_smoother.h"
 
 namespace knuckle {
@@ -27,6 +28,7 @@ constexpr double kSameHandMm = 40.0;    // no two hands' middles are nearer
 constexpr double kPoorFitMm = 10.0;     // a fit from the last pose that is worse is compared with a fresh one
 constexpr double kFingerRadPerSecond = 5.0;  // deviation of an angle's speed
 constexpr int kMostSideVotes = 10;
+constexpr int kMostTrust = 4;  // searches of all of a frame that found a hand where one is followed
 
 Point3 in_mirror(const Point3& point, HandSide side) {
   return side == HandSide::left ? Point3(-point.x(), point.y(), point.z()) : point;
@@ -50,19 +52,19 @@ HandSurface right_surface(const Frame& frame, const HandEstimate& estimate) {
   return surface;
 }
 
+/// The skeleton fitted from `start` on, and from a fresh one where that ends poorly.
+std::optional<SkeletonFit> fit_from(const std::optional<SkeletonPose>& start, const LandmarkTargets& targets,
+                                    const SkeletonFitOptions& options, const HandSurface& surface) {
+  auto fit = fit_skeleton(adult_skeleton(), targets, options, start, surface);
+  if (!start || (fit && fit->rms_mm <= kPoorFitMm)) return fit;
+  const auto fresh = fit_skeleton(adult_skeleton(), targets, options, std::nullopt, surface);
+  return fresh && (!fit || fresh->energy < fit->energy) ? fresh : fit;
+}
+
 Point3 middle_of(const SupersetPoints& points) {
   Point3 sum = Point3::Zero();
   for (const Point3& point : points) sum += point;
   return sum / static_cast<double>(points.size());
-}
-
-PoseSmoothing smoothing_of(const TrackerOptions& options) {
-  PoseSmoothing smoothing;
-  for (OneEuroOptions* const part : {&smoothing.place, &smoothing.turn, &smoothing.angles}) {
-    part->rest_cutoff_hz /= options.strength;
-    part->cutoff_per_speed /= options.strength;
-  }
-  return smoothing;
 }
 
 /// Lets one thread in at a time.
@@ -105,21 +107,25 @@ class Tracker::Person {
 /// A hand that is followed, as a right one: a left one in a mirror.
 struct Tracker::Track {
   Track(int number, double now_s, const TrackerOptions& options)
-      : id(number), begun_s(now_s), seen_s(now_s), smoother(smoothing_of(options)) {}
+      : id(number), begun_s(now_s), seen_s(now_s), smoother(options) {}
 
   bool is_seen_at(double now_s) const { return seen_s == now_s && pose.has_value(); }
   HandSide side() const { return side_votes < 0 ? HandSide::left : HandSide::right; }
-  void forget_pose() {
+  void begin_anew(double now_s) {
+    begun_s = now_s;
     pose.reset();
     smoother.reset();
     velocity.setZero();
+    person = {};
   }
-  void move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options);
+  void move_to(const SkeletonPose& next, double now_s);
 
   int id;
   double begun_s;
   double seen_s;
-  int side_votes = 0;  // above 0: right
+  int side_votes = 0;           // above 0: right
+  int trust = 0;                // how often searches of all of the frame found it, at most kMostTrust
+  bool is_found_again = false;  // by the search under way
   double score = 0.0;
   std::vector<float> confidence;     // one per landmark of the 22
   std::optional<SkeletonPose> pose;  // as it was fitted
@@ -130,7 +136,7 @@ struct Tracker::Track {
   Person person;
 };
 
-void Tracker::Track::move_to(const SkeletonPose& next, double now_s, const TrackerOptions& options) {
+void Tracker::Track::move_to(const SkeletonPose& next, double now_s) {
   const bool is_first = !pose;
   const double seconds = is_first ? kDefaultStepSeconds : now_s - seen_s;
   const Point3 next_middle = in_mirror(middle_of(landmarks(adult_skeleton(), next)), side());
@@ -139,7 +145,7 @@ void Tracker::Track::move_to(const SkeletonPose& next, double now_s, const Track
     if (now.norm() > kFastestMmPerSecond) now *= kFastestMmPerSecond / now.norm();
     velocity += low_pass_share(kVelocityCutoffHz, seconds) * (now - velocity);
   }
-  smoothed = options.smoothing == "none" ? next : smoother.smooth(next, seconds);
+  smoothed = smoother.smooth(next, seconds);
   middle = next_middle;
   pose = next;
   seen_s = now_s;
@@ -201,22 +207,58 @@ std::ptrdiff_t Tracker::seen_count() const {
   return std::ranges::count_if(tracks_, [&](const Track& track) { return track.is_seen_at(*now_s_); });
 }
 
+/// Whether all of the frame is to be searched: where a hand is missing, and now and then for more; the less
+/// often, the more searches found those that are followed.
+bool Tracker::is_search_due() const {
+  if (tracks_.empty() || !searched_s_ || seen_count() < std::ssize(tracks_)) return true;
+  const int trust = std::ranges::min_element(tracks_, {}, &Track::trust)->trust;
+  return *now_s_ - *searched_s_ >= options_.search_every_s * trust / kMostTrust;
+}
+
 void Tracker::look_for_more(const Frame& frame) {
-  const int most = pipeline_.hand().max_hands;
-  const bool is_lost = tracks_.empty() || seen_count() < std::ssize(tracks_);
-  const bool is_due = !searched_s_ || *now_s_ - *searched_s_ >= options_.search_every_s;
-  if (seen_count() >= most || !(is_lost || is_due)) return;
+  if (!is_search_due()) return;
   searched_s_ = now_s_;
-  for (const HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = most}).hands) {
+  std::vector<HandEstimate> others;
+  const int most = pipeline_.hand().max_hands;
+  for (HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = most}).hands) {
     const Point3 middle = Projection(frame.camera).to_camera(mean_joint(hand.pose));
-    if (!middle.allFinite() || is_taken(middle)) continue;
-    Track* const lost = lost_near(middle);
-    if ((lost != nullptr && take(frame, hand, *lost)) || seen_count() >= most) continue;
-    Track track(next_id_, *now_s_, options_);
-    if (!take(frame, hand, track)) continue;
-    ++next_id_;
-    tracks_.push_back(std::move(track));
+    if (!middle.allFinite()) continue;
+    if (Track* const track = seen_near(middle))
+      track->is_found_again = true;
+    else
+      others.push_back(std::move(hand));
   }
+  for (Track& track : tracks_) {
+    if (std::exchange(track.is_found_again, false)) track.trust = std::min(track.trust + 1, kMostTrust);
+  }
+  for (const HandEstimate& hand : others) take_up(frame, hand);
+}
+
+/// Follows what was found where no hand is followed: a hand that was lost for a moment, or a new one, where
+/// there is room for it. Where there is none, the hand that is trusted least loses trust, and its place once
+/// it has none left.
+void Tracker::take_up(const Frame& frame, const HandEstimate& hand) {
+  Track* const lost = lost_near(Projection(frame.camera).to_camera(mean_joint(hand.pose)));
+  if (lost != nullptr && take(frame, hand, *lost)) return;
+  Track track(next_id_, *now_s_, options_);
+  if (!take(frame, hand, track)) return;
+  if (seen_count() < pipeline_.hand().max_hands) {
+    tracks_.push_back(std::move(track));
+  } else {
+    Track& doubted = *least_trusted();
+    if (--doubted.trust >= 0) return;
+    doubted = std::move(track);
+  }
+  ++next_id_;
+}
+
+/// Of the hands seen in this frame; there is one.
+Tracker::Track* Tracker::least_trusted() {
+  Track* least = nullptr;
+  for (Track& track : tracks_) {
+    if (track.is_seen_at(*now_s_) && (least == nullptr || track.trust < least->trust)) least = &track;
+  }
+  return least;
 }
 
 /// The nearest of the hands that are lost for a moment, or null.
@@ -230,26 +272,31 @@ Tracker::Track* Tracker::lost_near(const Point3& middle) {
   return nearest;
 }
 
-/// Whether a hand that is seen in this frame is there.
-bool Tracker::is_taken(const Point3& middle) const {
-  return std::ranges::any_of(tracks_, [&](const Track& track) {
+/// The hand that is seen there in this frame, or null.
+Tracker::Track* Tracker::seen_near(const Point3& middle) {
+  const auto found = std::ranges::find_if(tracks_, [&](const Track& track) {
     return track.is_seen_at(*now_s_) && (track.middle - middle).norm() < 2.0 * kSameHandMm;
   });
+  return found == tracks_.end() ? nullptr : &*found;
 }
 
-/// Moves a track on to an estimate. False where that says nothing of the hand: too few landmarks, or the
-/// other side than most estimates before.
+/// Moves a track on to an estimate. False where that says nothing of the hand: too few landmarks, the other
+/// side than most estimates before, or a hand that is not plausible.
 bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& track) const {
   const HandSide before = track.side();
   const int vote = estimate.side == HandSide::right ? 1 : -1;
   track.side_votes = std::clamp(track.side_votes + vote, -kMostSideVotes, kMostSideVotes);
   if (estimate.side != track.side()) return false;
-  if (before != track.side()) track.forget_pose();  // it was the other hand all the time
+  if (before != track.side()) track.begin_anew(*now_s_);  // it was the other hand all the time
   const LandmarkTargets targets = right_targets(estimate, frame.camera);
-  const std::optional<SkeletonPose> pose = pose_of(targets, right_surface(frame, estimate), track);
-  if (!pose) return false;
-  track.move_to(*pose, *now_s_, options_);
-  track.score = estimate.score;
+  Person person = track.person;
+  const std::optional<SkeletonFit> fit = fit_of(targets, right_surface(frame, estimate), track, person);
+  if (!fit) return false;
+  const double score = estimate.score * plausibility_of(*fit);
+  if (score < pipeline_.hand().sure_confidence) return false;
+  track.person = person;
+  track.move_to(fit->pose, *now_s_);
+  track.score = score;
   track.confidence.assign(targets.size(), 0.0f);
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (targets[i].point.allFinite()) track.confidence[i] = static_cast<float>(targets[i].weight);
@@ -257,25 +304,25 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& trac
   return true;
 }
 
-/// The skeleton fitted to the frame from the track's last pose on; of the size and proportions that were
-/// learned, once they are.
-std::optional<SkeletonPose> Tracker::pose_of(const LandmarkTargets& targets, const HandSurface& surface,
-                                             Track& track) const {
-  const bool is_learning = *now_s_ - track.begun_s <= options_.learn_s;
+/// The skeleton fitted to the frame from the track's last pose on, of the size and proportions that were
+/// learned. While they are, each frame is asked for its own first, so that none is taken for what the first
+/// ones said.
+std::optional<SkeletonFit> Tracker::fit_of(const LandmarkTargets& targets, const HandSurface& surface,
+                                           const Track& track, Person& person) const {
   SkeletonFitOptions options;
-  if (!is_learning) track.person.tell(options);
   if (track.pose) {
     options.expected = track.pose->angles;
     options.expected_rad = kFingerRadPerSecond * (*now_s_ - track.seen_s);
   }
-  auto fit = fit_skeleton(adult_skeleton(), targets, options, track.pose, surface);
-  if (track.pose && (!fit || fit->rms_mm > kPoorFitMm)) {
-    const auto fresh = fit_skeleton(adult_skeleton(), targets, options, std::nullopt, surface);
-    if (fresh && (!fit || fresh->energy < fit->energy)) fit = fresh;
+  std::optional<SkeletonPose> start = track.pose;
+  if (*now_s_ - track.begun_s <= options_.learn_s) {
+    const auto fit = fit_from(start, targets, options, surface);
+    if (!fit) return std::nullopt;
+    person.learn(fit->pose);
+    start = fit->pose;
   }
-  if (!fit) return std::nullopt;
-  if (is_learning) track.person.learn(fit->pose);
-  return fit->pose;
+  person.tell(options);
+  return fit_from(start, targets, options, surface);
 }
 
 void Tracker::forget_lost_and_doubled() {

@@ -19,7 +19,7 @@ struct TrackedHand {
   int id = 0;  ///< from 1 on, never used again until `reset`
   HandSide side = HandSide::right;
   HandPose pose;       ///< in the image; its landmarks are the skeleton's, bones never change their length
-  double score = 0.0;  ///< of the estimate that the fit began with, [0, 1]
+  double score = 0.0;  ///< of the estimate that the fit began with, times how plausible the fit is, [0, 1]
   HandAngles angles;   ///< smoothed
   RigidTransform camera_from_hand =
       RigidTransform::Identity();  ///< of a right hand in the mirror, where it is a left one
@@ -32,9 +32,10 @@ struct TrackedHand {
 /// estimate.
 ///
 /// A hand is looked for where it was, moved by its velocity; all of the frame is searched only where a hand
-/// is missing, and now and then for new ones. A skeleton is fitted to the estimated landmarks and to the
-/// depth image from where it was in the last frame; its size and the lengths of its digits are learned over
-/// the first second. The result is smoothed.
+/// is missing, and now and then for new ones. What such searches do not find again gives its place to what
+/// they find.
+/// A skeleton is fitted to the estimated landmarks and to the depth image from where it was in the last
+/// frame; its size and the lengths of its digits are learned over the first second. The result is smoothed.
 ///
 /// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes
 /// back, stands still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten:
@@ -60,14 +61,17 @@ class Tracker {
 
   void step_to(const Frame& frame);
   void follow(const Frame& frame);
+  bool is_search_due() const;
   void look_for_more(const Frame& frame);
+  void take_up(const Frame& frame, const HandEstimate& hand);
   bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
-  std::optional<SkeletonPose> pose_of(const LandmarkTargets& targets, const HandSurface& surface,
-                                      Track& track) const;
+  std::optional<SkeletonFit> fit_of(const LandmarkTargets& targets, const HandSurface& surface,
+                                    const Track& track, Person& person) const;
+  Track* least_trusted();
   Track* lost_near(const Point3& middle);
   std::ptrdiff_t seen_count() const;
   void forget_lost_and_doubled();
-  bool is_taken(const Point3& middle) const;
+  Track* seen_near(const Point3& middle);
   std::vector<TrackedHand> hands_seen(const Frame& frame) const;
 
   const Pipeline& pipeline_;

@@ -141,9 +141,40 @@ TEST_F(TrackerTest, AHandThatMovesKeepsItsIdAndIsFoundWithoutASearch) {
     EXPECT_EQ(hands[0].id, 1);
     EXPECT_EQ(hands[0].side, HandSide::right);
     EXPECT_LT((middle_of(hands[0]) - world_.hands[0].middle).norm(), 3.0) << i;
-    EXPECT_NEAR(hands[0].score, 0.9, 1e-5);
+    EXPECT_LT(hands[0].score, 0.9) << "a hand before a wall that is as near is not quite plausible";
+    EXPECT_GT(hands[0].score, 0.5);
   }
-  EXPECT_EQ(world_.searches, 1);
+  EXPECT_LE(world_.searches, 7) << "until it is trusted";
+}
+
+TEST_F(TrackerTest, WhatIsFollowedGivesItsPlaceToWhatTheWholeFrameShows) {
+  const TrueHand thing{{-120, 0, kDepthMm}};
+  const TrueHand hand{{120, 0, kDepthMm}};
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {.search_every_s = 0.3});
+  world_.hands = {thing};
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(tracker.update(frame_at(i / 30.0)).at(0).id, 1);
+  world_.hands = {hand, thing};  // the thing is still there to be followed
+  int id = 1;
+  for (int i = 3; i < 30 && id == 1; ++i) {
+    const TrackedHand found = tracker.update(frame_at(i / 30.0)).at(0);
+    id = found.id;
+    if (id == 2) {
+      EXPECT_LT((middle_of(found) - hand.middle).norm(), 10.0);
+    }
+  }
+  EXPECT_EQ(id, 2);
+}
+
+TEST_F(TrackerTest, OneSearchThatErrsDoesNotLoseATrustedHand) {
+  const TrueHand hand{{-120, 0, kDepthMm}};
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {.search_every_s = 0.2});
+  for (int i = 0; i < 120; ++i) {
+    world_.hands = {hand};
+    if (i >= 60 && i < 67) world_.hands = {{{120, 0, kDepthMm}}, hand};
+    EXPECT_EQ(tracker.update(frame_at(i / 30.0)).at(0).id, 1) << i;
+  }
 }
 
 TEST_F(TrackerTest, TwoHandsKeepTheirIdsAndSides) {
@@ -176,7 +207,7 @@ TEST_F(TrackerTest, AHandThatComesLaterIsFoundWithinTheTimeOfASearch) {
   }
   EXPECT_GE(first_seen, 11);
   EXPECT_LE(first_seen, 11 + 7);
-  EXPECT_LT(world_.searches, 10);
+  EXPECT_LT(world_.searches, 20);
 }
 
 TEST_F(TrackerTest, ALostHandIsForgottenAndOneThatReturnsIsSeenAtOnce) {
@@ -252,7 +283,8 @@ TEST_F(TrackerTest, SmoothingTakesTheTremblingAndStrengthSaysHowMuch) {
   EXPECT_LT(weak, 0.8 * raw);
   EXPECT_LT(strong, 0.7 * weak);
   // So little noise is no motion: what is taken of it at rest decides.
-  EXPECT_LT(trembling({.strength = 4.0}, 0.05), 0.6 * trembling({.strength = 1.0}, 0.05));
+  EXPECT_LT(trembling({.smoothing = "one_euro", .strength = 4.0}, 0.05),
+            0.6 * trembling({.smoothing = "one_euro"}, 0.05));
 }
 
 TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
@@ -354,7 +386,7 @@ TEST_F(TrackerTest, ASecondThreadGetsAnError) {
 
 TEST_F(TrackerTest, OptionsOutOfRangeAreRefused) {
   const Pipeline one = pipeline(1);
-  EXPECT_THAT(error_of([&] { Tracker(one, {.smoothing = "kalman"}); }), HasSubstr("smoothing"));
+  EXPECT_THAT(error_of([&] { Tracker(one, {.smoothing = "butterworth"}); }), HasSubstr("smoothing"));
   EXPECT_THAT(error_of([&] { Tracker(one, {.strength = 0.0}); }), HasSubstr("strength"));
   EXPECT_THAT(error_of([&] { Tracker(one, {.lost_after_s = -1.0}); }), HasSubstr("lost_after_s"));
 }

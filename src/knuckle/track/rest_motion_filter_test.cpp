@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/track/rest_motion_filter.h"
+
+#include <cmath>
+
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+
+namespace knuckle {
+namespace {
+
+using Eigen::VectorXd;
+using testing::error_of;
+using ::testing::HasSubstr;
+
+constexpr double kSecondsPerFrame = 1.0 / 30.0;
+constexpr int kValues = 20;
+
+VectorXd noise_of(double deviation) {
+  return VectorXd::Constant(kValues, deviation);
+}
+
+VectorXd random_vector(Random& random) {
+  VectorXd vector(kValues);
+  for (double& value : vector) value = random.normal();
+  return vector;
+}
+
+TEST(RestMotionFilter, KeepsTheFirstValueAndWhatRests) {
+  RestMotionFilter filter({}, noise_of(2.0));
+  const VectorXd value = VectorXd::LinSpaced(kValues, -3.0, 5.0);
+  EXPECT_EQ(filter.smooth(value, kSecondsPerFrame), value);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(filter.smooth(value, kSecondsPerFrame).isApprox(value, 1e-12));
+  filter.reset();
+  EXPECT_EQ(filter.smooth(2.0 * value, kSecondsPerFrame), 2.0 * value) << "nothing of before";
+}
+
+TEST(RestMotionFilter, AveragesWhatRests) {
+  Random random(3);
+  RestMotionFilter filter({}, noise_of(1.0));
+  double squares = 0.0;
+  for (int i = 0; i < 330; ++i) {
+    const VectorXd smoothed = filter.smooth(random_vector(random), kSecondsPerFrame);
+    if (i >= 30) squares += smoothed.squaredNorm() / kValues / 300;
+  }
+  // The mean of 30 values has 0.18; a mean of all frames so far 0.1 and less.
+  EXPECT_LT(std::sqrt(squares), 0.16);
+  EXPECT_GT(filter.rest(), 0.95);
+}
+
+TEST(RestMotionFilter, DoesNotLagBehindAConstantSpeed) {
+  Random random(4);
+  RestMotionFilter filter({}, noise_of(1.0));
+  VectorXd behind = VectorXd::Zero(kValues);
+  const VectorXd speed = VectorXd::LinSpaced(kValues, 20.0, 60.0);
+  for (int i = 0; i < 200; ++i) {
+    const VectorXd truth = i * kSecondsPerFrame * speed;
+    const VectorXd smoothed = filter.smooth(truth + 0.3 * random_vector(random), kSecondsPerFrame);
+    if (i >= 50) behind += (truth - smoothed) / 150;
+  }
+  EXPECT_LT(filter.rest(), 0.01);
+  EXPECT_LT(behind.cwiseQuotient(speed).cwiseAbs().maxCoeff(), 0.1 * kSecondsPerFrame) << "in seconds";
+}
+
+TEST(RestMotionFilter, SeesWithinAFewFramesThatWhatRestedMoves) {
+  Random random(5);
+  RestMotionFilter filter({}, noise_of(1.0));
+  double place = 0.0;
+  for (int i = 0; i < 120; ++i) filter.smooth(0.5 * random_vector(random), kSecondsPerFrame);
+  ASSERT_GT(filter.rest(), 0.95);
+  VectorXd smoothed;
+  for (int i = 0; i < 8; ++i) {
+    place += 60.0 * kSecondsPerFrame;
+    smoothed =
+        filter.smooth(VectorXd::Constant(kValues, place) + 0.5 * random_vector(random), kSecondsPerFrame);
+  }
+  EXPECT_LT(filter.rest(), 0.1);
+  EXPECT_NEAR(smoothed.mean(), place, 0.1 * place);
+}
+
+TEST(RestMotionFilter, IsTheKalmanFilterOfEachWhereOneIsCertain) {
+  // With rest alone possible, values of a constant are their running mean: gains 1/2, 1/3, ...
+  RestMotionFilter filter({.drift = 1e-9, .speed_change = 1e6, .stay_s = 1000.0}, noise_of(1.0));
+  Random random(6);
+  VectorXd sum = VectorXd::Zero(kValues);
+  for (int i = 1; i <= 200; ++i) {
+    const VectorXd value = 0.7 * random_vector(random);
+    sum += value;
+    const VectorXd smoothed = filter.smooth(value, kSecondsPerFrame);
+    if (i > 100) {
+      EXPECT_LT((smoothed - sum / i).cwiseAbs().maxCoeff(), 0.02) << i;
+    }
+  }
+}
+
+TEST(RestMotionFilter, HeedsUnitsAndSteps) {
+  // The same motion in other units, and times halved with speeds doubled, are the same in noises.
+  Random random(7);
+  RestMotionFilter millimetres({}, noise_of(1.0));
+  RestMotionFilter metres({}, noise_of(1e-3));
+  for (int i = 0; i < 60; ++i) {
+    const VectorXd value = VectorXd::Constant(kValues, 1.5 * i) + random_vector(random);
+    const double seconds = i % 3 == 0 ? 2.0 * kSecondsPerFrame : kSecondsPerFrame;
+    const VectorXd a = millimetres.smooth(value, seconds);
+    const VectorXd b = metres.smooth(1e-3 * value, seconds);
+    EXPECT_LT((a - 1e3 * b).cwiseAbs().maxCoeff(), 1e-9) << i;
+  }
+}
+
+TEST(RestMotionFilter, StaysFiniteAfterLeapsAndLongSteps) {
+  RestMotionFilter filter({}, noise_of(1e-3));
+  VectorXd value = VectorXd::Zero(kValues);
+  for (const double seconds : {1e-6, 1.0, 1e-3, 1000.0, 0.03}) {
+    value += VectorXd::Constant(kValues, 1e6);
+    EXPECT_TRUE(filter.smooth(value, seconds).allFinite()) << seconds;
+  }
+  for (int i = 0; i < 400; ++i) EXPECT_TRUE(filter.smooth(value, kSecondsPerFrame).allFinite());
+  EXPECT_TRUE(filter.smooth(value, kSecondsPerFrame).isApprox(value, 1e-6));
+}
+
+TEST(RestMotionFilter, RefusesWhatIsNotFiniteAndTimeThatStandsStill) {
+  RestMotionFilter filter({}, noise_of(1.0));
+  filter.smooth(VectorXd::Zero(kValues), kSecondsPerFrame);
+  EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Constant(kValues, std::nan("")), kSecondsPerFrame); }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(kValues), 0.0); }), HasSubstr("above 0"));
+  EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(kValues), std::nan("")); }), HasSubstr("above 0"));
+  EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(2), kSecondsPerFrame); }), HasSubstr("2 values"));
+  EXPECT_THAT(error_of([] { RestMotionFilter({}, noise_of(0.0)); }), HasSubstr("above 0"));
+  EXPECT_THAT(error_of([] { RestMotionFilter({.drift = 0.0}, noise_of(1.0)); }), HasSubstr("drift"));
+}
+
+}  // namespace
+}  // namespace knuckle
