@@ -2,9 +2,11 @@
 #include "knuckle/data/played_stream.h"
 
 #include <algorithm>
+#include <exception>
 #include <thread>
 #include <utility>
 
+#include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 
 namespace knuckle {
@@ -36,21 +38,31 @@ PlayedStream::PlayedStream(std::unique_ptr<const FrameSource> source, const Play
 
 std::optional<Frame> PlayedStream::next() {
   if (position_ == source_->size()) {
-    if (options_.loop == 0) return std::nullopt;
+    if (options_.loop == 0 || !is_any_readable_) return std::nullopt;
     position_ = 0;
     first_sequence_ = last_sequence_ + 1;
+    is_any_readable_ = false;
   }
-  const std::int64_t index = position_++;  // counted before it is read: a faulty frame is passed over
-  const FrameLabel label = source_->read_label(index);
-  FrameLabel of_round{.camera = {}, .truth = {}, .time_s = label.time_s};
-  of_round.sequence = first_sequence_ + label.sequence;
+  const std::int64_t index = position_++;
+  FrameLabel of_round;
+  std::optional<Frame> frame;
+  std::exception_ptr fault;
+  try {
+    const FrameLabel label = source_->read_label(index);
+    of_round.time_s = label.time_s;
+    of_round.sequence = first_sequence_ + label.sequence;
+    frame = source_->read(index);
+  } catch (const Error&) {
+    fault = std::current_exception();
+  }
   const double due_s = clock_.due_s(of_round);
-  last_sequence_ = std::max(last_sequence_, of_round.sequence);
   if (!began_) began_ = Clock::now();
-  Frame frame = source_->read(index);
-  frame.time_s = due_s;
-  frame.sequence = of_round.sequence;
-  wait_until_due(due_s);
+  wait_until_due(due_s);  // a faulty frame takes its time as well
+  if (fault) std::rethrow_exception(fault);
+  is_any_readable_ = true;
+  last_sequence_ = std::max(last_sequence_, of_round.sequence);
+  frame->time_s = due_s;
+  frame->sequence = of_round.sequence;
   return frame;
 }
 

@@ -16,7 +16,7 @@ namespace knuckle {
 struct PlayOptions {
   double rate_hz =
       0.0;       ///< frames per second, [0, 10000]; 0: at the source's own times, 30 where it has none
-  int loop = 0;  ///< 1: from the beginning again, without an end
+  int loop = 0;  ///< 1: from the beginning again, until no frame of a round could be read
 
   void visit(OptionVisitor& visitor);
 };
@@ -35,11 +35,12 @@ class PlayClock {
   double due_s_ = 0.0;
   std::optional<double> last_time_s_;
   int last_sequence_ = 0;
+  bool is_any_readable_ = false;  ///< in this round
 };
 
 /// A source played as a camera would give its frames: each comes when it is due, and late where reading takes
-/// longer than that. `Frame::time_s` is when it was due, from the first on; each round of a loop has
-/// sequences of its own.
+/// longer than that; one that cannot be read is an error when it is due. `Frame::time_s` is when it was due,
+/// from the first on; each round of a loop has sequences of its own.
 class PlayedStream final : public FrameStream {
  public:
   /// Throws an Error where an option is out of range.
@@ -59,6 +60,7 @@ class PlayedStream final : public FrameStream {
   std::int64_t position_ = 0;
   int first_sequence_ = 0;  ///< of this round
   int last_sequence_ = 0;
+  bool is_any_readable_ = false;  ///< in this round
 };
 
 }  // namespace knuckle

@@ -98,6 +98,24 @@ TEST(PlayedStream, GoesOnAfterAFrameThatCannotBeRead) {
   EXPECT_FALSE(stream.next());
 }
 
+TEST(PlayedStream, AFrameThatCannotBeReadTakesItsTimeAsWell) {
+  PlayedStream stream(std::make_unique<TimedSource>(std::vector<TimedSource::Row>{{0.0}, {99.0}, {99.0}}),
+                      {.rate_hz = 20.0});
+  stream.next();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THROW(stream.next(), Error);
+  EXPECT_THROW(stream.next(), Error);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(95));
+}
+
+TEST(PlayedStream, ALoopEndsOnceNothingCanBeRead) {
+  PlayedStream stream(std::make_unique<TimedSource>(std::vector<TimedSource::Row>{{99.0}, {99.0}}),
+                      {.rate_hz = 1000.0, .loop = 1});
+  EXPECT_THROW(stream.next(), Error);
+  EXPECT_THROW(stream.next(), Error);
+  EXPECT_FALSE(stream.next());
+}
+
 TEST(PlayedStream, EndsTheWaitWhereTheProgramIsAskedTo) {
   PlayedStream stream(std::make_unique<TimedSource>(std::vector<TimedSource::Row>{{0.0}, {3600.0}}), {});
   EXPECT_TRUE(stream.next());
