@@ -4,8 +4,10 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/data/boxes_file.h"
+#include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/eval/metrics/score_files.h"
+#include "knuckle/eval/pictures/film_strip.h"
 #include "knuckle/eval/pictures/gallery.h"
 #include "knuckle/eval/report/report.h"
 #include "knuckle/hand/landmark_definition.h"
@@ -24,6 +26,7 @@ struct EvaluateArguments {
   std::filesystem::path out;
   std::filesystem::path json;
   std::filesystem::path landmarks;
+  std::filesystem::path strip;
   GalleryOptions gallery;
 
   void visit(OptionVisitor& visitor) {
@@ -104,10 +107,16 @@ void write_out(const EvaluateArguments& arguments, const Report& report) {
   write_options(arguments, arguments.out);
 }
 
+/// What is asked for in pictures alone.
+void write_strip(const EvaluateArguments& arguments, const GalleryInput& input) {
+  if (!arguments.strip.empty()) write_png(arguments.strip, film_strip(input));
+}
+
 /// A source without truth: nothing can be scored, but the poses can be looked at.
 void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& source) {
-  if (arguments.out.empty() || !arguments.json.empty() || !arguments.boxes.empty()) {
-    fail("{}: the source has no truth to score against; --out alone makes a report of pictures",
+  const bool wants_pictures = !arguments.out.empty() || !arguments.strip.empty();
+  if (!wants_pictures || !arguments.json.empty() || !arguments.boxes.empty()) {
+    fail("{}: the source has no truth to score against; --out and --strip alone make pictures",
          arguments.truth);
   }
   const std::vector<Predictions> predictions = read_predictions(arguments, source.pixel_origin());
@@ -117,10 +126,13 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
            method.sequence.poses.size(), arguments.truth, source.size());
     }
   }
+  const GalleryInput input{&source, nullptr, nullptr, predictions};
+  write_strip(arguments, input);
+  if (arguments.out.empty()) return;
   Report report;
   report.title = "Hand poses";
   report.facts = {{"source", arguments.truth}, {"truth", "none: nothing is scored"}};
-  report.gallery = make_gallery({&source, nullptr, nullptr, predictions}, arguments.gallery);
+  report.gallery = make_gallery(input, arguments.gallery);
   write_out(arguments, report);
 }
 
@@ -139,11 +151,12 @@ void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opene
     write_text_file(arguments.json, to_json(report.evaluation, report.segmentation));
     write_options(arguments, arguments.json);
   }
-  if (arguments.out.empty()) return;
   if (report.evaluation) {
-    report.gallery = make_gallery({opened.source.get(), &opened.truth, &*report.evaluation, predictions},
-                                  arguments.gallery);
+    const GalleryInput input{opened.source.get(), &opened.truth, &*report.evaluation, predictions};
+    write_strip(arguments, input);
+    if (!arguments.out.empty()) report.gallery = make_gallery(input, arguments.gallery);
   }
+  if (arguments.out.empty()) return;
   write_out(arguments, report);
 }
 
@@ -151,6 +164,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   if (arguments.predictions.empty() && arguments.boxes.empty()) {
     fail("evaluate: nothing to score: give --predictions NAME=PATH or --boxes NAME=PATH");
   }
+  if (arguments.predictions.empty() && !arguments.strip.empty())
+    fail("evaluate: --strip shows estimates: give --predictions NAME=PATH");
   if (!names_a_source(arguments.truth)) return score_labelled(arguments, read_truth_file(arguments));
   auto source = open_source(arguments.truth);
   if (!source->convention()) return show_unlabelled(arguments, *source);
@@ -186,6 +201,9 @@ void add_evaluate(CLI::App& program) {
       ->type_name("FX,FY,CX,CY");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");
   verb.add_option("--json", arguments->json, "The scores as JSON")->type_name("FILE");
+  verb.add_option("--strip", arguments->strip,
+                  "A picture of all frames (at most 1000), each with its estimates and errors")
+      ->type_name("FILE.png");
   verb.add_option("--gallery", arguments->gallery.even_frames,
                   "Frames that the report shows, spread over the sequence")
       ->check(CLI::Range(0, 1000).description(""))

@@ -14,7 +14,6 @@
 namespace knuckle {
 namespace {
 
-constexpr Rgb kPaper{0x2a, 0x27, 0x30};
 constexpr Rgb kHandTint{0xff, 0x9a, 0x52};
 constexpr double kTintShare = 0.35;
 constexpr int kGapPx = 6;
@@ -57,7 +56,7 @@ Image<Rgb> hand_close_up(const Frame& frame, int side) {
   constexpr double kHand = 200.0;  // [mm]
   constexpr double kMargin = 1.4;  // of the hand's size
   const std::optional<Rectangle> hand = frame.truth ? rectangle_around(*frame.truth) : std::nullopt;
-  if (!hand) return Image<Rgb>(side, side, kPaper);
+  if (!hand) return Image<Rgb>(side, side, kSheetColour);
   const double extent = std::max({hand->right - hand->left, hand->bottom - hand->top, 1.0});
   const int size = static_cast<int>(std::ceil(kMargin * extent));
   const View view{{static_cast<int>(std::lround((hand->left + hand->right - size) / 2.0)),
@@ -80,11 +79,6 @@ Tile tile(const Frame& frame, std::int64_t index, int width) {
   Tile made{whole_frame(frame, index, width), {}};
   made.hand = hand_close_up(frame, made.height());
   return made;
-}
-
-void paste(const Image<Rgb>& picture, Image<Rgb>& sheet, int x, int y) {
-  for (int row = 0; row < picture.height(); ++row)
-    std::ranges::copy(picture.row(row), sheet.row(y + row).subspan(static_cast<std::size_t>(x)).begin());
 }
 
 }  // namespace
@@ -116,7 +110,7 @@ Image<Rgb> contact_sheet(const FrameSource& source, const std::vector<std::int64
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   const int height = std::ranges::max(tiles, {}, &Tile::height).height();
   const int width = options.tile_width_px + height;
-  Image<Rgb> sheet(kGapPx + columns * (width + kGapPx), kGapPx + rows * (height + kGapPx), kPaper);
+  Image<Rgb> sheet(kGapPx + columns * (width + kGapPx), kGapPx + rows * (height + kGapPx), kSheetColour);
   for (int i = 0; i < static_cast<int>(tiles.size()); ++i) {
     const int x = kGapPx + i % columns * (width + kGapPx);
     const int y = kGapPx + i / columns * (height + kGapPx);

@@ -177,6 +177,11 @@ void draw_skeleton(Image<Rgb>& picture, const HandPose& pose, const View& view, 
   draw_with(canvas, pose, to_picture, {scalar(colour), width, radius});
 }
 
+void paste(const Image<Rgb>& picture, Image<Rgb>& sheet, int x, int y) {
+  for (int row = 0; row < picture.height(); ++row)
+    std::ranges::copy(picture.row(row), sheet.row(y + row).subspan(static_cast<std::size_t>(x)).begin());
+}
+
 Image<Rgb> picture_of(const Frame& frame) {
   constexpr double kComfortableWidth = 640.0;  // [px]
   const Box all{0, 0, frame.depth_mm.width(), frame.depth_mm.height()};

@@ -26,6 +26,8 @@ struct DepthRange {
 inline constexpr Rgb kTruthColour{0x1f, 0xe0, 0xff};     ///< of true skeletons: cyan
 inline constexpr Rgb kEstimateColour{0xff, 0x8c, 0x1a};  ///< of estimated ones: orange
 
+inline constexpr Rgb kSheetColour{0x2a, 0x27, 0x30};  ///< what pictures are laid on
+
 /// Depth as colours: near is bright, far is dark, what lies outside the range takes the colour of its end,
 /// and a pixel without measurement is almost black.
 Image<Rgb> colour_mapped(const Image<float>& depth_mm, const DepthRange& range);
@@ -66,6 +68,9 @@ Image<Rgb> cropped(const Image<Rgb>& picture, const Box& crop);
 
 /// The picture at another size, at least 1 x 1: smoothed where it shrinks.
 Image<Rgb> resized(const Image<Rgb>& picture, int width, int height);
+
+/// Lays a picture on a sheet, its upper left corner at (x, y); it has to be within the sheet.
+void paste(const Image<Rgb>& picture, Image<Rgb>& sheet, int x, int y);
 
 /// The whole frame as a picture for people, with its true skeleton where it has one; small images are
 /// enlarged.
