@@ -13,14 +13,20 @@
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/track/run_live.h"
+#include "knuckle/view/live_server.h"
 
 namespace knuckle::cli {
 namespace {
+
+constexpr int kUsualPort = 8790;
 
 struct LiveArguments {
   std::string source;
   std::filesystem::path pipeline = resource_path("pipelines/track.toml");
   std::string records;
+  bool is_viewed = false;
+  int port = kUsualPort;
+  std::string host = "127.0.0.1";
   std::int64_t frames = 0;
   double seconds = 0.0;
 };
@@ -74,6 +80,20 @@ void tell(const LiveCounts& counts, const DurationHistogram& latency, bool is_be
   fmt::print(where, "\n");
 }
 
+/// The server, and where it is; null where nobody wants to watch.
+std::unique_ptr<LiveServer> server_for(const LiveArguments& arguments, const Pipeline& pipeline) {
+  if (!arguments.is_viewed) return nullptr;
+  LiveInfo info{.version = KNUCKLE_VERSION,
+                .source = arguments.source,
+                .pipeline = arguments.pipeline.string(),
+                .convention = pipeline.convention()};
+  LiveServerOptions options{
+      .host = arguments.host, .port = arguments.port, .page = resource_path("web/dist")};
+  auto server = std::make_unique<LiveServer>(std::move(info), options);
+  fmt::print(stderr, "view: {}\n", server->address());
+  return server;
+}
+
 void run_live_verb(const LiveArguments& arguments) {
   std::signal(SIGPIPE, SIG_IGN);  // who reads the records may go: then writing fails, with a message
   const auto stream = open_stream(arguments.source);
@@ -81,17 +101,39 @@ void run_live_verb(const LiveArguments& arguments) {
   RecordLines lines(arguments.records);
   DurationHistogram latency;
   const LiveOptions options{.most_frames = arguments.frames, .most_seconds = arguments.seconds};
+  const auto server = server_for(arguments, pipeline);
   const LiveCounts counts = run_live(*stream, pipeline, options, [&](const LiveFrame& live) {
     FrameRecord record = record_of(live.result, PixelOrigin::centre);
     record.latency_ms = live.latency_ms;
     latency.add(live.latency_ms);
     lines.add(record);
+    if (!server) return;
+    server->publish(std::make_shared<const LiveUpdate>(
+        LiveUpdate{live.frame, std::move(record), {}, live.arrived, live.passed_over}));
   });
   lines.finish();
   tell(counts, latency, arguments.records == "-");
   if (counts.unreadable > 0) {
     fail("{}: {} frames could not be read; the first: {}", arguments.source, counts.unreadable, counts.fault);
   }
+}
+
+void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& arguments) {
+  verb.add_option_function<std::string>(
+          "--view",
+          [arguments](const std::string& port) {
+            arguments->is_viewed = true;
+            if (!port.empty()) arguments->port = static_cast<int>(parse_integer(port, "--view"));
+          },
+          fmt::format("Serves a page that shows the hand, and records for programs, on this port; 0: any "
+                      "free one [{}]",
+                      kUsualPort))
+      ->expected(0, 1)
+      ->type_name("PORT");
+  verb.add_option("--host", arguments->host,
+                  "Address that --view serves; others than this machine's own need the token that is printed")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -114,6 +156,7 @@ void add_live(CLI::App& program) {
   verb.add_option("--records", arguments->records,
                   "Frame records as they come, one line of JSON each; -: on standard output")
       ->type_name("FILE");
+  add_view_options(verb, arguments);
   verb.add_option("--frames", arguments->frames,
                   "Ends after so many frames were looked at; 0: with the stream, or Ctrl-C")
       ->check(CLI::NonNegativeNumber);
