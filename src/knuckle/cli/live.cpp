@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/cli/live_recording.h"
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
 #include "knuckle/pipeline/duration_histogram.h"
@@ -24,6 +26,8 @@ struct LiveArguments {
   std::string source;
   std::filesystem::path pipeline = resource_path("pipelines/track.toml");
   std::string records;
+  std::filesystem::path record;
+  std::filesystem::path record_folder;
   bool is_viewed = false;
   int port = kUsualPort;
   std::string host = "127.0.0.1";
@@ -81,15 +85,19 @@ void tell(const LiveCounts& counts, const DurationHistogram& latency, bool is_be
 }
 
 /// The server, and where it is; null where nobody wants to watch.
-std::unique_ptr<LiveServer> server_for(const LiveArguments& arguments, const Pipeline& pipeline) {
+std::unique_ptr<LiveServer> server_for(const LiveArguments& arguments, const Pipeline& pipeline,
+                                       LiveRecording& recording) {
   if (!arguments.is_viewed) return nullptr;
   LiveInfo info{.version = KNUCKLE_VERSION,
                 .source = arguments.source,
                 .pipeline = arguments.pipeline.string(),
-                .convention = pipeline.convention()};
+                .convention = pipeline.convention(),
+                .can_record = recording.can_be_set()};
   LiveServerOptions options{
       .host = arguments.host, .port = arguments.port, .page = resource_path("web/dist")};
-  auto server = std::make_unique<LiveServer>(std::move(info), options);
+  RecordingControl control{.state = [&] { return recording.state(); },
+                           .set = [&](bool on) { recording.set(on); }};
+  auto server = std::make_unique<LiveServer>(std::move(info), options, std::move(control));
   fmt::print(stderr, "view: {}\n", server->address());
   return server;
 }
@@ -99,20 +107,28 @@ void run_live_verb(const LiveArguments& arguments) {
   const auto stream = open_stream(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
   RecordLines lines(arguments.records);
+  LiveRecording recording(arguments.record, arguments.record_folder);
+  auto server = server_for(arguments, pipeline, recording);
   DurationHistogram latency;
-  const LiveOptions options{.most_frames = arguments.frames, .most_seconds = arguments.seconds};
-  const auto server = server_for(arguments, pipeline);
+  const LiveOptions options{.most_frames = arguments.frames,
+                            .most_seconds = arguments.seconds,
+                            .at_arrival = [&](std::int64_t, const auto& frame) { recording.put(frame); }};
   const LiveCounts counts = run_live(*stream, pipeline, options, [&](const LiveFrame& live) {
     FrameRecord record = record_of(live.result, PixelOrigin::centre);
     record.latency_ms = live.latency_ms;
     latency.add(live.latency_ms);
     lines.add(record);
-    if (!server) return;
-    server->publish(std::make_shared<const LiveUpdate>(
-        LiveUpdate{live.frame, std::move(record), {}, live.arrived, live.passed_over}));
+    if (server) {
+      server->publish(std::make_shared<const LiveUpdate>(
+          LiveUpdate{live.frame, std::move(record), recording.state(), live.arrived, live.passed_over}));
+    }
+    if (recording.has_failed()) set_interrupted(true);  // `finish` says why
   });
+  server.reset();
+  set_interrupted(false);  // what is recorded is made whole
   lines.finish();
   tell(counts, latency, arguments.records == "-");
+  recording.finish();
   if (counts.unreadable > 0) {
     fail("{}: {} frames could not be read; the first: {}", arguments.source, counts.unreadable, counts.fault);
   }
@@ -156,6 +172,14 @@ void add_live(CLI::App& program) {
   verb.add_option("--records", arguments->records,
                   "Frame records as they come, one line of JSON each; -: on standard output")
       ->type_name("FILE");
+  CLI::Option* const record =
+      verb.add_option("--record", arguments->record,
+                      "Keeps all raw frames, from start to end, in a new file F.h5 or a new folder")
+          ->type_name("F.h5|DIR");
+  verb.add_option("--record-folder", arguments->record_folder,
+                  "Lets the page of --view begin and end recordings, which go into this folder")
+      ->type_name("DIR")
+      ->excludes(record);
   add_view_options(verb, arguments);
   verb.add_option("--frames", arguments->frames,
                   "Ends after so many frames were looked at; 0: with the stream, or Ctrl-C")

@@ -48,13 +48,15 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
   return counts;
 }
 
+bool is_exact_in(const Image<float>& depth_mm, double unit_mm) {
+  return std::ranges::all_of(depth_mm.pixels(),
+                             [unit_mm](float depth) { return !(depth > 0.0f) || is_kept(depth, unit_mm); });
+}
+
 std::optional<double> exact_depth_unit_mm(const Image<float>& depth_mm) {
-  for (const double unit_mm : {1.0, 0.5, 0.25, 0.2, 0.125, 0.1}) {
-    const bool is_exact = std::ranges::all_of(
-        depth_mm.pixels(), [unit_mm](float depth) { return !(depth > 0.0f) || is_kept(depth, unit_mm); });
-    if (is_exact) return unit_mm;
-  }
-  return std::nullopt;
+  const auto* const unit =
+      std::ranges::find_if(kDepthUnitsMm, [&](double unit_mm) { return is_exact_in(depth_mm, unit_mm); });
+  return unit == kDepthUnitsMm.end() ? std::nullopt : std::optional(*unit);
 }
 
 double suitable_depth_unit_mm(const Image<float>& depth_mm) {
