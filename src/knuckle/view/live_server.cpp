@@ -169,7 +169,7 @@ class SocketSession final : public Session {
   enum class Kind { records, frames };
 
   SocketSession(Hub& hub, beast::tcp_stream stream, Kind kind)
-      : hub_(hub), socket_(std::move(stream)), kind_(kind), deadline_(hub) {}
+      : hub_(hub), socket_(std::move(stream)), kind_(kind), deadline_(hub), message_deadline_(hub) {}
   ~SocketSession() override { hub_.leave(this); }
 
   void begin(const http::request<http::string_body>& request) {
@@ -214,14 +214,21 @@ class SocketSession final : public Session {
     write();
   }
 
-  /// What clients say is not looked at. A message has to come in one piece.
+  /// What clients say is not looked at. A message has to be whole soon, and small.
   void read() {
     socket_.async_read_some(said_, kMostMessage,
                             [self = self<SocketSession>()](Fault fault, std::size_t size) {
-                              if (fault || !self->socket_.is_message_done()) return self->close();
+                              if (fault) return self->close();
                               self->said_.consume(size);
+                              self->watch_message();
                               self->read();
                             });
+  }
+  void watch_message() {
+    const bool is_whole = socket_.is_message_done();
+    if (is_whole) message_deadline_.clear();
+    if (!is_whole && !is_in_message_) message_deadline_.set(hub_.options.request_s, shared_from_this());
+    is_in_message_ = !is_whole;
   }
 
   void write() {
@@ -256,6 +263,8 @@ class SocketSession final : public Session {
   websocket::stream<beast::tcp_stream> socket_;
   Kind kind_;
   Deadline deadline_;
+  Deadline message_deadline_;
+  bool is_in_message_ = false;
   beast::flat_static_buffer<kMostMessage> said_;
   WaitingRecords records_;
   bool has_newer_ = false;
