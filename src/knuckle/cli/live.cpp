@@ -157,7 +157,7 @@ void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& argu
 void add_live(CLI::App& program) {
   CLI::App& verb =
       add_verb(program, "live", "Follow hands while they move: in a recording or data set, played",
-               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --records -");
+               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
   auto arguments = std::make_shared<LiveArguments>();
   verb.add_option("--source", arguments->source,
                   "Where frames come from, KIND:PATH[?rate=60&loop=1]; `knuckle info` lists the kinds; "
