@@ -569,7 +569,7 @@ void check(const LiveServerOptions& options) {
 asio::ip::address address_of(const std::string& host) {
   if (host == "localhost") return asio::ip::address_v4::loopback();
   Fault fault;
-  const auto address = asio::ip::make_address(host, fault);
+  auto address = asio::ip::make_address(host, fault);
   if (fault) fail("--host {}: expected an address of this machine, such as 127.0.0.1 or 0.0.0.0", host);
   return address;
 }

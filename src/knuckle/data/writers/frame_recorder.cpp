@@ -172,9 +172,10 @@ void FrameRecorder::run() {
     {
       const std::lock_guard lock(fault_mutex_);
       fault_ = error.what();
-      if (written_ > 0)
+      if (written_ > 0) {
         fault_ += fmt::format("; {} holds the {} frames until then: make room, and {}",
                               log_of(path_).string(), written_.load(), how_to_finish(path_));
+      }
     }
     has_failed_ = true;
     way_.close();
