@@ -96,11 +96,16 @@ class LiveViewTest(unittest.TestCase):
                                             "port, or 0 for any that is free\n")
 
     def test_wrong_options_are_said(self):
-        for option, part in [(["--view", "x"], "--view"), (["--view", "70000"], "70000"), (["--view", "0", "--host", "nowhere"], "nowhere")]:
-            wrong = run("live", "--source", SOURCE, *option)
-            self.assertEqual(wrong.returncode, 1, wrong.stderr)
-            self.assertEqual(wrong.stderr.count("\n"), 1)
+        for options, status, part in [(["--view", "x"], 2, "'x' is no port"), (["--view", "70000"], 2, "'70000' is no port"),
+                                      (["--host", "0.0.0.0"], 2, "--view"), (["--record-folder", "x"], 2, "--view"),
+                                      (["--view", "0", "--host", "nowhere"], 1, "nowhere")]:
+            wrong = run("live", "--source", SOURCE, *options)
+            self.assertEqual(wrong.returncode, status, wrong.stderr)
             self.assertIn(part, wrong.stderr)
+
+    def test_without_a_number_it_is_the_usual_port(self):
+        seen = run("live", "--view", "--source", SOURCE, "--frames", "1").stderr
+        self.assertRegex(seen, r"^(view: http://127\.0\.0\.1:8790/|knuckle: port 8790 of 127\.0\.0\.1 is in use)")
 
     def test_another_host_needs_the_token(self):
         with Live("--host", "0.0.0.0") as live:

@@ -12,6 +12,7 @@
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/writers/folder_writer.h"
+#include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
