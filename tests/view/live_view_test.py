@@ -187,6 +187,21 @@ class LiveViewTest(unittest.TestCase):
             for take in takes:
                 self.assertGreater(frames_in(take), 0)
 
+    def test_a_full_disk_ends_the_recording_and_nothing_else(self):
+        with Live("--record-folder", str(self.folder), most_kb=60) as live:
+            frames = Socket(live, "/api/frames")
+            self.assertEqual(self.set_recording(live, True)[0], 200)
+            recording = {"fault": ""}
+            while not recording["fault"]:
+                recording = frames.frame()[0]["recording"]
+            self.assertIn("cannot write", recording["fault"])
+            self.assertIsNone(recording["file"])
+            for _ in range(5):
+                frames.frame()
+            status, _, errors = live.end()
+            self.assertEqual(status, 1)
+            self.assertRegex(errors, r"^knuckle: .*cannot write: .*`knuckle record --finish .*\n$")
+
     def test_a_recording_of_the_whole_run_is_not_the_pages(self):
         with Live("--record", str(self.folder / "a.h5")) as live:
             frames = Socket(live, "/api/frames")
