@@ -35,7 +35,17 @@ def check(name, lines, tips):
         assert side == expected[0], f"{name}: {line}, expected {expected}"
         assert all(abs(float(a) - b) < 1e-3 for a, b in zip(tip, expected[1:], strict=True)), f"{name}: {line}, expected {expected}"
     assert len(frames) >= 5, f"{name}: only {len(frames)} lines"
-    assert frames == [frame for frame in tips if frame >= frames[0]], f"{name}: has missed some of the records"
+    missed = sorted({frame for frame in tips if frame >= frames[0]} - set(frames))
+    assert not missed and frames == sorted(frames), f"{name}: of the records to {max(tips)} it has missed {missed}"
+
+
+def wait_for_lines(path, count):
+    """Until there are so many more."""
+    before = path.read_text().count("\n")
+    end = time.monotonic() + LONGEST_S
+    while path.read_text().count("\n") < before + count:
+        assert time.monotonic() < end, f"{path.name}: nothing comes"
+        time.sleep(0.05)
 
 
 def main():
@@ -46,17 +56,19 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         records = pathlib.Path(folder) / "records.jsonl"
         with Live("--records", str(records)) as live:
-            runs = {name: subprocess.Popen([*command, live.address], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            outs = {name: pathlib.Path(folder) / name for name in commands}
+            runs = {name: subprocess.Popen([*command, live.address], stdout=outs[name].open("w"), stderr=subprocess.PIPE, text=True)
                     for name, command in commands.items()}
-            firsts = {name: run.stdout.readline() for name, run in runs.items()}
-            time.sleep(1.0)  # twenty frames
+            for out in outs.values():
+                wait_for_lines(out, 1)
+            wait_for_lines(pathlib.Path(f"{records}.partial"), 20)
             status, _, errors = live.end()
             assert status == 0, errors
             tips = tips_of(records)
             for name, run in runs.items():
-                rest, faults = run.communicate(timeout=LONGEST_S)
+                _, faults = run.communicate(timeout=LONGEST_S)
                 assert run.returncode == 0, f"{name}: {faults}"
-                check(name, [firsts[name], *rest.splitlines()], tips)
+                check(name, outs[name].read_text().splitlines(), tips)
     print("passed:", *commands)
 
 

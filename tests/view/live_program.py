@@ -11,6 +11,8 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
+import time
 
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 SOURCE = "synthetic:manifests/demo.toml?rate=20&loop=1"
@@ -38,17 +40,27 @@ class Live:
                 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
                 resource.setrlimit(resource.RLIMIT_FSIZE, (most_kb << 10, most_kb << 10))
 
+        self.errors = tempfile.NamedTemporaryFile("w")
         self.process = subprocess.Popen([program(), "live", "--source", source, "--view", port, *arguments], cwd=PROJECT,
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                        preexec_fn=prepare)
-        line = self.process.stderr.readline()
-        found = re.fullmatch(r"view: (http://([^:/]+):(\d+)/(?:\?token=([0-9a-f]{32}))?)\n", line)
+                                        stdout=subprocess.PIPE, stderr=self.errors, text=True, preexec_fn=prepare)
+        line = self.first_line()
+        found = re.fullmatch(r"view: (http://([^:/]+):(\d+)/(?:\?token=([0-9a-f]{32}))?)", line)
         if not found:
             self.process.kill()
-            raise AssertionError(f"no address: {line}{self.process.stderr.read()}")
+            raise AssertionError(f"no address: {line}{self.said()}")
         self.address, self.host, self.token = found[1], found[2], found[4]
         self.port = int(found[3])
         self.sockets = []
+
+    def said(self):
+        """All that it wrote to standard error."""
+        return pathlib.Path(self.errors.name).read_text()
+
+    def first_line(self):
+        end = time.monotonic() + LONGEST_S
+        while "\n" not in self.said() and self.process.poll() is None and time.monotonic() < end:
+            time.sleep(0.01)
+        return self.said().partition("\n")[0]
 
     def __enter__(self):
         return self
@@ -59,13 +71,14 @@ class Live:
         if self.process.poll() is None:
             self.process.kill()
         self.process.communicate()
+        self.errors.close()
 
     def end(self, with_signal=signal.SIGINT):
-        """Ends it as Ctrl-C does, or waits; returns its status, output and errors."""
+        """Ends it as Ctrl-C does, or waits; returns its status, its output, and what it wrote to standard error after its address."""
         if with_signal:
             self.process.send_signal(with_signal)
-        out, errors = self.process.communicate(timeout=LONGEST_S)
-        return self.process.returncode, out, errors
+        out, _ = self.process.communicate(timeout=LONGEST_S)
+        return self.process.returncode, out, self.said().partition("\n")[2]
 
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))

@@ -179,7 +179,9 @@ class LiveViewTest(unittest.TestCase):
                 self.assertEqual(status, 409, body)
                 time.sleep(0.1)
             self.assertEqual(status, 200)
-            time.sleep(0.5)
+            first = recording["file"]
+            while recording["file"] in (None, first) or recording["frames"] == 0:
+                recording = frames.frame()[0]["recording"]
             status, _, errors = live.end()
             self.assertEqual((status, errors), (0, ""), "the second one is made whole at the end")
             takes = list((self.folder / "takes").iterdir())
