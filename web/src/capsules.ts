@@ -4,8 +4,11 @@ import {
   BufferAttribute, DynamicDrawUsage, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, RawShaderMaterial, type ShaderMaterialParameters,
 } from "three";
 
-const kAround = 16;
-const kRings = 5;  // of each half
+/** Into how many pieces a capsule is cut: around its axis, and from each pole to where the cone begins. */
+export interface Detail {
+  around: number;
+  rings: number;
+}
 
 const kVertexShader = /* glsl */ `
 precision highp float;
@@ -51,22 +54,22 @@ void main() {
 }
 `;
 
-function unitGeometry(): InstancedBufferGeometry {
+function unitGeometry({ around, rings }: Detail): InstancedBufferGeometry {
   const places: number[] = [];
-  for (let ring = 0; ring < 2 * (kRings + 1); ++ring) {
-    const isSecond = ring > kRings;
-    const between = (ring - (isSecond ? kRings + 1 : 0)) / kRings;
-    for (let step = 0; step < kAround; ++step) {
-      const angle = (2 * Math.PI * step) / kAround;
+  for (let ring = 0; ring < 2 * (rings + 1); ++ring) {
+    const isSecond = ring > rings;
+    const between = (ring - (isSecond ? rings + 1 : 0)) / rings;
+    for (let step = 0; step < around; ++step) {
+      const angle = (2 * Math.PI * step) / around;
       places.push(Math.cos(angle), Math.sin(angle), isSecond ? 1 : 0, between);
     }
   }
   const triangles: number[] = [];
-  for (let ring = 0; ring < 2 * kRings + 1; ++ring) {
-    for (let step = 0; step < kAround; ++step) {
-      const a = ring * kAround + step;
-      const b = ring * kAround + ((step + 1) % kAround);
-      triangles.push(a, b, a + kAround, b, b + kAround, a + kAround);
+  for (let ring = 0; ring < 2 * rings + 1; ++ring) {
+    for (let step = 0; step < around; ++step) {
+      const a = ring * around + step;
+      const b = ring * around + ((step + 1) % around);
+      triangles.push(a, b, a + around, b, b + around, a + around);
     }
   }
   const geometry = new InstancedBufferGeometry();
@@ -78,14 +81,16 @@ function unitGeometry(): InstancedBufferGeometry {
 /** A batch that is filled anew for each frame; its memory grows and stays. */
 export class Capsules {
   readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
-  #geometry = unitGeometry();
+  #geometry: InstancedBufferGeometry;
   #count = 0;
   #capacity = 0;
   #a!: InstancedBufferAttribute;
   #b!: InstancedBufferAttribute;
   #tint!: InstancedBufferAttribute;
 
-  constructor(parameters: ShaderMaterialParameters = {}, flatness = 0) {
+  /** `flatness`: 0 is shaded as a solid, 1 is the plain colour. */
+  constructor(detail: Detail, parameters: ShaderMaterialParameters, flatness = 0) {
+    this.#geometry = unitGeometry(detail);
     const material = new RawShaderMaterial({
       glslVersion: GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader,
       uniforms: { flatness: { value: flatness } }, ...parameters,

@@ -26,6 +26,7 @@ const kViewpoints: Record<Viewpoint, [number, number]> = {
 const Sees = { nothing: 0, scene: 1, hand: 2 } as const;
 
 const kFieldOfView_deg = 40;
+const kPointsInSoftware = 80_000;  // a processor draws some two million points in a second
 const kBackground = 0x11161c;
 
 /** Where the picture is taken from, in the sensor's coordinates (x right, y down, z forward) [mm]. */
@@ -49,8 +50,9 @@ export class CloudView {
   #surface = new Group();
   #points: Points<BufferGeometry, RawShaderMaterial>;
   #depth = depthTexture(1, 1, new Uint16Array(1));
-  #bones = new Capsules({ transparent: true }, 0.35);
-  #flesh = new Capsules({ colorWrite: false });
+  #bones = new Capsules({ around: 8, rings: 2 }, { transparent: true }, 0.35);
+  #flesh = new Capsules({ around: 16, rings: 4 }, { colorWrite: false });
+  #mostPoints: number;
   #size = new Vector2();
   #aimedAt: number = Sees.nothing;
   #wasMoved = false;
@@ -58,7 +60,9 @@ export class CloudView {
   /** Throws where there is no WebGL 2. `changed` is called when the user has turned it. */
   constructor(canvas: HTMLCanvasElement, palette: Uint8Array, changed: () => void) {
     this.#canvas = canvas;
-    this.#renderer = new WebGLRenderer({ canvas, antialias: !isDrawnInSoftware(), powerPreference: "high-performance" });
+    const isSlow = isDrawnInSoftware();
+    this.#mostPoints = isSlow ? kPointsInSoftware : Infinity;
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !isSlow, powerPreference: "high-performance" });
     this.#renderer.autoClear = false;
     this.#renderer.setClearColor(kBackground);
     this.#points = pointCloud(this.#depth, palette);
@@ -177,9 +181,16 @@ export class CloudView {
       this.#depth.dispose();
       this.#depth = depthTexture(images.width, images.height, images.depth);
       this.#points.material.uniforms["depth_image"]!.value = this.#depth;
-      this.#points.geometry.setDrawRange(0, images.width * images.height);
+      this.#setStride(images.width, images.height);
     }
     this.#depth.needsUpdate = true;
+  }
+
+  /** Draws every pixel, or every second, third, ... column and row where all would be too many. */
+  #setStride(width: number, height: number): void {
+    const stride = Math.max(1, Math.ceil(Math.sqrt((width * height) / this.#mostPoints)));
+    this.#points.material.uniforms["stride"]!.value = stride;
+    this.#points.geometry.setDrawRange(0, Math.ceil(width / stride) * Math.ceil(height / stride));
   }
 
   #takeCamera(camera: Camera, unit_mm: number): void {
@@ -228,7 +239,7 @@ export class CloudView {
   }
 }
 
-/** True where no graphics processor draws: smoothing edges would cost too much then. */
+/** True where no graphics processor draws: smooth edges and all points would cost too much then. Throws without WebGL 2. */
 function isDrawnInSoftware(): boolean {
   const context = document.createElement("canvas").getContext("webgl2");
   if (!context) throw new Error("no WebGL 2");
@@ -254,7 +265,7 @@ function pointCloud(depth: DataTexture, palette: Uint8Array): Points<BufferGeome
     uniforms: {
       depth_image: { value: depth }, palette: { value: colours }, depth_unit_mm: { value: 1 }, lens: { value: [1, 1, 0, 0] },
       is_orthographic: { value: false }, is_distorted: { value: false }, distortion: { value: new Array<number>(8).fill(0) },
-      range_mm: { value: new Vector2(300, 1500) }, focal_px: { value: 500 },
+      range_mm: { value: new Vector2(300, 1500) }, focal_px: { value: 500 }, stride: { value: 1 },
     },
   });
   const points = new Points(new BufferGeometry(), material);  // no attributes: a vertex is its number

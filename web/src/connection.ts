@@ -96,22 +96,30 @@ export class Connection {
 
 /** Starts or stops the recording; its state afterwards. Throws an Error with a plain sentence. */
 export async function setRecording(on: boolean): Promise<Recording | null> {
-  let answer: Response;
-  let body: unknown = null;
+  let status = 0;
+  let said = "";
   try {
-    answer = await fetch(apiAddress("api/recording"), {
+    const answer = await fetch(apiAddress("api/recording"), {
       method: "POST",
       headers: { "Content-Type": "application/json" },
       body: JSON.stringify({ on }),
       signal: AbortSignal.timeout(10_000),
     });
-    body = await answer.json().catch(() => null);
+    status = answer.status;
+    said = await answer.text();
   } catch {
     throw new Error("the server does not answer");
   }
-  const said = (body as { error?: unknown } | null)?.error;
-  if (typeof said === "string") throw new Error(said);
-  if (!answer.ok) throw new Error(plainRefusal(answer.status));
-  const inner = (body as { recording?: unknown } | null)?.recording;
-  return readRecording(inner ?? body);
+  const body = jsonOf(said) as { error?: unknown; recording?: unknown } | null;
+  if (typeof body?.error === "string") throw new Error(body.error);
+  if (status !== 200) throw new Error(body === null && said.trim() !== "" ? said.trim().slice(0, 500) : plainRefusal(status));
+  return readRecording(body?.recording ?? body);  // the answer is the state itself, or all of /api/info
+}
+
+function jsonOf(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return null;
+  }
 }

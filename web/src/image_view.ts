@@ -31,9 +31,10 @@ export class ImageView {
 
   constructor(canvas: HTMLCanvasElement, palette: Uint8Array) {
     this.#canvas = canvas;
-    this.#context = canvas.getContext("2d", { alpha: false })!;
+    // The processor writes every pixel anyway: canvases that it keeps (willReadFrequently) spare moving them about.
+    this.#context = canvas.getContext("2d", { alpha: false, willReadFrequently: true })!;
     this.#palette = new Uint32Array(palette.buffer);
-    this.#imageContext = this.#image.getContext("2d")!;
+    this.#imageContext = this.#image.getContext("2d", { willReadFrequently: true })!;
   }
 
   /** Colours the image of a new frame, or of another range. */

@@ -271,6 +271,7 @@ function showRecording(): void {
     text = `off; ${recording.frames} frames written`;
   }
   setText(element("recording-text"), text);
+  if (recording && recording.fault !== "") notices.set("recording", sentence(`The recording has ended: ${recording.fault}`));
 }
 
 function showNumbers(now: number): void {
@@ -286,7 +287,8 @@ function showNumbers(now: number): void {
     setText(element("pictures"), pictures === null ? "–" : `${pictures.toFixed(1)} /s`);
     const median = latencies.percentile(0.5, now - 2000);
     const high = latencies.percentile(0.99, now - 20_000);
-    setText(element("latency"), median === null ? "–" : `${median.toFixed(1)} ms, 99 % below ${high!.toFixed(1)} ms`);
+    setText(element("latency"), median === null ? "–" : `${median.toFixed(1)} ms`);
+    setText(element("latency-high"), high === null ? "" : `99 % below ${high.toFixed(1)} ms`);
   }
   const { header } = state;
   setText(element("passed-over"), header?.passed_over == null ? "–" : `${header.passed_over} of ${header.arrived ?? "?"} frames`);
@@ -337,6 +339,10 @@ function step(by: -1 | 1): void {
   showStepping();
 }
 
+function sentence(text: string): string {
+  return /[.!?]$/.test(text) ? text : `${text}.`;
+}
+
 async function toggleRecording(): Promise<void> {
   if (element<HTMLButtonElement>("record").disabled) return;
   const on = state.recording === null || state.recording.file === null;
@@ -346,7 +352,7 @@ async function toggleRecording(): Promise<void> {
     state.recording = await setRecording(on);
     notices.set("recording", null);
   } catch (error) {
-    notices.set("recording", `The recording could not be ${on ? "started" : "stopped"}: ${(error as Error).message}.`.replace(/\.\.$/, "."));
+    notices.set("recording", sentence(`The recording could not be ${on ? "started" : "stopped"}: ${(error as Error).message}`));
   }
   state.isAskingToRecord = false;
   showRecording();

@@ -28,7 +28,7 @@ export function depthPalette(): Uint8Array {
   const palette = new Uint8Array(4 * kPaletteSize);
   for (let i = 0; i < kPaletteSize; ++i) {
     const t = i / (kPaletteSize - 1);
-    const [red, green, blue] = srgbOfOklch(0.9 - 0.62 * t, 0.07 + 0.05 * Math.sin(Math.PI * t), 85 + 185 * t);
+    const [red, green, blue] = srgbOfOklch(0.9 - 0.62 * t, 0.075 + 0.015 * Math.cos(4 * Math.PI * t), 85 + 185 * t);
     palette.set([red, green, blue, 255], 4 * i);
   }
   return palette;

@@ -16,6 +16,7 @@ uniform bool is_orthographic;
 uniform bool is_distorted;
 uniform float distortion[8];     // OpenCV's k1, k2, p1, p2, k3, k4, k5, k6
 uniform vec2 range_mm;           // near and far end of the palette
+uniform int stride;              // every so many-th column and row is drawn
 uniform float focal_px;          // of the drawing: its height / (2 tan(field of view / 2))
 
 flat out vec3 colour;
@@ -56,7 +57,8 @@ float lit(ivec2 pixel, ivec2 size, vec3 point) {
 
 void main() {
   ivec2 size = textureSize(depth_image, 0);
-  ivec2 pixel = ivec2(gl_VertexID % size.x, gl_VertexID / size.x);
+  int columns = (size.x + stride - 1) / stride;
+  ivec2 pixel = stride * ivec2(gl_VertexID % columns, gl_VertexID / columns);
   uint count = texelFetch(depth_image, pixel, 0).r;
   if (count == 0u) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // outside of what is seen
@@ -67,7 +69,7 @@ void main() {
   vec4 seen = modelViewMatrix * vec4(point, 1.0);
   gl_Position = projectionMatrix * seen;
   float pitch_mm = is_orthographic ? 1.0 / abs(lens.x) : point.z / abs(lens.x);
-  gl_PointSize = clamp(1.25 * focal_px * pitch_mm / max(-seen.z, 1.0), 1.0, 12.0);
+  gl_PointSize = clamp(1.25 * float(stride) * focal_px * pitch_mm / max(-seen.z, 1.0), 1.0, 16.0);
   float shade = (point.z - range_mm.x) / (range_mm.y - range_mm.x);
   colour = texture(palette, vec2(clamp(shade, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb * lit(pixel, size, point);
 }

@@ -39,6 +39,7 @@ export interface Recording {
   file: string | null;
   frames: number;
   dropped: number;
+  fault: string;  // why it ended; empty where all is well
 }
 
 /** Two spheres and the cone that touches both: x, y, z, radius of one end and of the other [mm]. */
@@ -191,6 +192,7 @@ export function readRecording(value: unknown): Recording | null {
     file: file === null ? null : text(file, "recording.file"),
     frames: number(recording["frames"] ?? 0, "recording.frames"),
     dropped: number(recording["dropped"] ?? 0, "recording.dropped"),
+    fault: text(recording["fault"] ?? "", "recording.fault"),
   };
 }
 
