@@ -266,12 +266,20 @@ function showRecording(): void {
     text = `${recording.file}: ${recording.frames} frames`;
     if (recording.dropped > 0) text += `, ${recording.dropped} dropped because the disk is too slow`;
   } else if (info && !info.can_record) {
-    text = "not possible here; start knuckle live with --record FILE";
+    text = "not possible here; start knuckle live with --record-folder DIR";
   } else if (recording && recording.frames > 0) {
     text = `off; ${recording.frames} frames written`;
   }
   setText(element("recording-text"), text);
-  if (recording && recording.fault !== "") notices.set("recording", sentence(`The recording has ended: ${recording.fault}`));
+  showRecordingFault(recording?.fault ?? "");
+}
+
+let shownFault = "";
+
+function showRecordingFault(fault: string): void {
+  if (fault === shownFault) return;
+  shownFault = fault;
+  notices.set("recording", fault === "" ? null : sentence(`The recording has ended: ${fault}`));
 }
 
 function showNumbers(now: number): void {
@@ -448,7 +456,8 @@ function listenToControls(): void {
   for (const id of ["range-auto", "range-near", "range-far"]) change(id, setRange);
   element("image-kind").addEventListener("change", (event) => chooseImage((event.target as HTMLInputElement).value as ImageKind));
   listenToProbe();
-  new ResizeObserver(() => { state.imageChanged = state.cloudChanged = true; shownTicks = ""; }).observe(document.querySelector("main")!);
+  const resizes = new ResizeObserver(() => { state.imageChanged = state.cloudChanged = true; shownTicks = ""; });
+  for (const screen of document.querySelectorAll(".screen")) resizes.observe(screen);
 }
 
 /** Says the distance under the pointer. */
