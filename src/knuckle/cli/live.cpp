@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/cli/live_recording.h"
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
 #include "knuckle/pipeline/duration_histogram.h"
@@ -13,14 +15,22 @@
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/track/run_live.h"
+#include "knuckle/view/live_server.h"
 
 namespace knuckle::cli {
 namespace {
+
+constexpr int kUsualPort = 8790;
 
 struct LiveArguments {
   std::string source;
   std::filesystem::path pipeline = resource_path("pipelines/track.toml");
   std::string records;
+  std::filesystem::path record;
+  std::filesystem::path record_folder;
+  bool is_viewed = false;
+  int port = kUsualPort;
+  std::string host = "127.0.0.1";
   std::int64_t frames = 0;
   double seconds = 0.0;
 };
@@ -74,24 +84,72 @@ void tell(const LiveCounts& counts, const DurationHistogram& latency, bool is_be
   fmt::print(where, "\n");
 }
 
+/// The server, and where it is; null where nobody wants to watch.
+std::unique_ptr<LiveServer> server_for(const LiveArguments& arguments, const Pipeline& pipeline,
+                                       LiveRecording& recording) {
+  if (!arguments.is_viewed) return nullptr;
+  LiveInfo info{.version = KNUCKLE_VERSION,
+                .source = arguments.source,
+                .pipeline = arguments.pipeline.string(),
+                .convention = pipeline.convention(),
+                .can_record = recording.can_be_set()};
+  LiveServerOptions options{
+      .host = arguments.host, .port = arguments.port, .page = resource_path("web/dist")};
+  RecordingControl control{.state = [&] { return recording.state(); },
+                           .set = [&](bool on) { recording.set(on); }};
+  auto server = std::make_unique<LiveServer>(std::move(info), options, std::move(control));
+  fmt::print(stderr, "view: {}\n", server->address());
+  return server;
+}
+
 void run_live_verb(const LiveArguments& arguments) {
   std::signal(SIGPIPE, SIG_IGN);  // who reads the records may go: then writing fails, with a message
   const auto stream = open_stream(arguments.source);
   const Pipeline pipeline = Pipeline::load(arguments.pipeline);
   RecordLines lines(arguments.records);
+  LiveRecording recording(arguments.record, arguments.record_folder);
+  auto server = server_for(arguments, pipeline, recording);
   DurationHistogram latency;
-  const LiveOptions options{.most_frames = arguments.frames, .most_seconds = arguments.seconds};
+  const LiveOptions options{.most_frames = arguments.frames,
+                            .most_seconds = arguments.seconds,
+                            .at_arrival = [&](std::int64_t, const auto& frame) { recording.put(frame); }};
   const LiveCounts counts = run_live(*stream, pipeline, options, [&](const LiveFrame& live) {
     FrameRecord record = record_of(live.result, PixelOrigin::centre);
     record.latency_ms = live.latency_ms;
     latency.add(live.latency_ms);
     lines.add(record);
+    if (server) {
+      server->publish(std::make_shared<const LiveUpdate>(
+          LiveUpdate{live.frame, std::move(record), recording.state(), live.arrived, live.passed_over}));
+    }
+    if (recording.has_failed()) set_interrupted(true);  // `finish` says why
   });
+  server.reset();
+  set_interrupted(false);  // what is recorded is made whole
   lines.finish();
   tell(counts, latency, arguments.records == "-");
+  recording.finish();
   if (counts.unreadable > 0) {
     fail("{}: {} frames could not be read; the first: {}", arguments.source, counts.unreadable, counts.fault);
   }
+}
+
+void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& arguments) {
+  verb.add_option_function<std::string>(
+          "--view",
+          [arguments](const std::string& port) {
+            arguments->is_viewed = true;
+            if (!port.empty()) arguments->port = static_cast<int>(parse_integer(port, "--view"));
+          },
+          fmt::format("Serves a page that shows the hand, and records for programs, on this port; 0: any "
+                      "free one [{}]",
+                      kUsualPort))
+      ->expected(0, 1)
+      ->type_name("PORT");
+  verb.add_option("--host", arguments->host,
+                  "Address that --view serves; others than this machine's own need the token that is printed")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -99,7 +157,7 @@ void run_live_verb(const LiveArguments& arguments) {
 void add_live(CLI::App& program) {
   CLI::App& verb =
       add_verb(program, "live", "Follow hands while they move: in a recording or data set, played",
-               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --records -");
+               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
   auto arguments = std::make_shared<LiveArguments>();
   verb.add_option("--source", arguments->source,
                   "Where frames come from, KIND:PATH[?rate=60&loop=1]; `knuckle info` lists the kinds; "
@@ -114,6 +172,15 @@ void add_live(CLI::App& program) {
   verb.add_option("--records", arguments->records,
                   "Frame records as they come, one line of JSON each; -: on standard output")
       ->type_name("FILE");
+  CLI::Option* const record =
+      verb.add_option("--record", arguments->record,
+                      "Keeps all raw frames, from start to end, in a new file F.h5 or a new folder")
+          ->type_name("F.h5|DIR");
+  verb.add_option("--record-folder", arguments->record_folder,
+                  "Lets the page of --view begin and end recordings, which go into this folder")
+      ->type_name("DIR")
+      ->excludes(record);
+  add_view_options(verb, arguments);
   verb.add_option("--frames", arguments->frames,
                   "Ends after so many frames were looked at; 0: with the stream, or Ctrl-C")
       ->check(CLI::NonNegativeNumber);

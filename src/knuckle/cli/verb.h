@@ -23,6 +23,7 @@ void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
 void add_landmarks(CLI::App& program);
 void add_live(CLI::App& program);
+void add_record(CLI::App& program);
 void add_shrink(CLI::App& program);
 void add_render(CLI::App& program);
 void add_segment(CLI::App& program);

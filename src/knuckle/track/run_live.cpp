@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Arrival {
   std::int64_t index;
-  Frame frame;
+  std::shared_ptr<const Frame> frame;
   Clock::time_point when;
 };
 
@@ -36,6 +36,8 @@ class Arrivals {
 
   /// The newest frame; nothing once the stream has ended.
   std::optional<Arrival> next() { return way_.take(); }
+  std::int64_t arrived() const { return arrived_; }
+  std::int64_t passed_over() const { return way_.lost(); }
 
   /// Ends the thread. What it counted is known then.
   void stop() {
@@ -76,8 +78,10 @@ class Arrivals {
     }
     if (!frame) return false;
     const auto when = Clock::now();
-    if (options_.at_arrival) options_.at_arrival(arrived_, *frame);
-    way_.put({arrived_++, *std::move(frame), when});
+    const auto shared = std::make_shared<const Frame>(*std::move(frame));
+    const std::int64_t index = arrived_++;
+    if (options_.at_arrival) options_.at_arrival(index, shared);
+    way_.put({index, shared, when});
     return true;
   }
 
@@ -85,7 +89,7 @@ class Arrivals {
   const LiveOptions& options_;
   HandOver<Arrival> way_{1, HandOver<Arrival>::Lose::oldest};
   std::atomic<bool> is_stopped_ = false;
-  std::int64_t arrived_ = 0;
+  std::atomic<std::int64_t> arrived_ = 0;
   std::int64_t unreadable_ = 0;
   std::string fault_;
   std::exception_ptr failure_;
@@ -123,11 +127,12 @@ LiveCounts run_live(FrameStream& stream, const Pipeline& pipeline, const LiveOpt
   std::optional<Clock::time_point> began;
   while (std::optional<Arrival> arrival = arrivals.next()) {
     if (!began) began = arrival->when;
-    FrameResult result = tracker ? tracker->follow(arrival->index, arrival->frame)
-                                 : single(arrival->index, arrival->frame, pipeline);
+    FrameResult result = tracker ? tracker->follow(arrival->index, *arrival->frame)
+                                 : single(arrival->index, *arrival->frame, pipeline);
     ++counts.results;
     counts.found += result.estimate.hands.empty() ? 0 : 1;
-    take({arrival->frame, std::move(result), 1000.0 * seconds_from(arrival->when)});
+    take({arrival->frame, std::move(result), 1000.0 * seconds_from(arrival->when), arrivals.arrived(),
+          arrivals.passed_over()});
     if (is_interrupted() || counts.results == options.most_frames) break;
     if (options.most_seconds > 0.0 && seconds_from(*began) >= options.most_seconds) break;
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "knuckle/data/frame_stream.h"
@@ -12,9 +13,11 @@ namespace knuckle {
 
 /// What is found in a frame of a live stream.
 struct LiveFrame {
-  const Frame& frame;
-  FrameResult result;       ///< its index counts all frames that came, also those that were passed over
-  double latency_ms = 0.0;  ///< from the frame's arrival until now
+  std::shared_ptr<const Frame> frame;  ///< never null; may be kept
+  FrameResult result;            ///< its index counts all frames that came, also those that were passed over
+  double latency_ms = 0.0;       ///< from the frame's arrival until now
+  std::int64_t arrived = 0;      ///< frames that came until now
+  std::int64_t passed_over = 0;  ///< those of them for which there was no time
 };
 
 /// How a live stream is gone through.
@@ -22,7 +25,7 @@ struct LiveOptions {
   std::int64_t most_frames = 0;  ///< results until it ends, >= 0; 0: any number
   double most_seconds = 0.0;     ///< after the first frame, >= 0; 0: any time
   /// Sees every frame as it comes, in the thread that waits for frames: it has to be quick. May be empty.
-  std::function<void(std::int64_t index, const Frame& frame)> at_arrival = {};
+  std::function<void(std::int64_t index, const std::shared_ptr<const Frame>& frame)> at_arrival = {};
 };
 
 /// What became of the frames of a live stream.

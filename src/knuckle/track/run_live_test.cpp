@@ -86,11 +86,13 @@ TEST(RunLive, LooksAtEachFrameWhereThereIsTime) {
   });
   std::vector<std::string> names;
   const LiveCounts counts = run_live(stream, pipeline_with(), {}, [&](const LiveFrame& live) {
-    EXPECT_EQ(live.result.name, live.frame.name);
+    EXPECT_EQ(live.result.name, live.frame->name);
     EXPECT_EQ(live.result.index, done);
     EXPECT_EQ(live.result.estimate.hands.size(), done % 2 == 0 ? 1U : 0U);
     EXPECT_GE(live.latency_ms, 0.0);
     EXPECT_LT(live.latency_ms, 60000.0);
+    EXPECT_GT(live.arrived, live.result.index);
+    EXPECT_EQ(live.passed_over, 0);
     names.push_back(live.result.name);
     ++done;
   });
@@ -116,7 +118,7 @@ TEST(RunLive, TheNewestFrameWinsAndTheOthersAreCounted) {
   std::vector<std::int64_t> indices;
   std::int64_t at_arrival = 0;
   const LiveOptions options{
-      .at_arrival = [&](std::int64_t index, const Frame&) { EXPECT_EQ(index, at_arrival++); }};
+      .at_arrival = [&](std::int64_t index, const auto&) { EXPECT_EQ(index, at_arrival++); }};
   const LiveCounts counts = run_live(stream, pipeline, options,
                                      [&](const LiveFrame& live) { indices.push_back(live.result.index); });
   EXPECT_EQ(at_arrival, 10) << "who records sees them all";
@@ -168,7 +170,7 @@ TEST(RunLive, WhatIsThrownEndsIt) {
               }),
               HasSubstr("the disk is full"));
   CountingStream two(1000000, endless);
-  const LiveOptions recorded{.at_arrival = [](std::int64_t index, const Frame&) {
+  const LiveOptions recorded{.at_arrival = [](std::int64_t index, const auto&) {
     if (index == 3) fail("no room to record");
   }};
   EXPECT_THAT(error_of([&] { run_live(two, pipeline_with(), recorded, [](const LiveFrame&) {}); }),

@@ -8,6 +8,16 @@
 #include "knuckle/core/empty_blocks.h"
 
 namespace knuckle {
+namespace {
+
+constexpr double kMostCounts = std::numeric_limits<std::uint16_t>::max();
+
+bool is_kept(float depth_mm, double unit_mm) {
+  const double count = std::floor(depth_mm / unit_mm + 0.5);
+  return count <= kMostCounts && static_cast<float>(count * unit_mm) == depth_mm;
+}
+
+}  // namespace
 
 Image<float> depth_from_counts(const Image<std::uint16_t>& counts, double unit_mm) {
   Image<float> depth_mm(counts.width(), counts.height());
@@ -34,6 +44,34 @@ Image<std::uint16_t> counts_from_depth(const Image<float>& depth_mm, double unit
       const double half_above = depth / unit_mm + 0.5;  // is cut off to the nearest count
       to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(half_above));
     }
+  });
+  return counts;
+}
+
+bool is_exact_in(const Image<float>& depth_mm, double unit_mm) {
+  return std::ranges::all_of(depth_mm.pixels(),
+                             [unit_mm](float depth) { return !(depth > 0.0f) || is_kept(depth, unit_mm); });
+}
+
+std::optional<double> exact_depth_unit_mm(const Image<float>& depth_mm) {
+  const auto* const unit =
+      std::ranges::find_if(kDepthUnitsMm, [&](double unit_mm) { return is_exact_in(depth_mm, unit_mm); });
+  return unit == kDepthUnitsMm.end() ? std::nullopt : std::optional(*unit);
+}
+
+double suitable_depth_unit_mm(const Image<float>& depth_mm) {
+  if (const auto exact = exact_depth_unit_mm(depth_mm)) return *exact;
+  constexpr double kFine = 0.1;
+  float deepest = 0.0f;
+  for (const float depth : depth_mm.pixels()) deepest = depth > deepest ? depth : deepest;
+  return deepest <= kFine * kMostCounts ? kFine : 1.0;
+}
+
+Image<std::uint16_t> near_counts_from_depth(const Image<float>& depth_mm, double unit_mm) {
+  Image<std::uint16_t> counts(depth_mm.width(), depth_mm.height());
+  std::ranges::transform(depth_mm.pixels(), counts.pixels().begin(), [unit_mm](float depth) {
+    const double half_above = (depth > 0.0f ? depth : 0.0f) / unit_mm + 0.5;  // is cut off to the count
+    return half_above < kMostCounts + 1 ? static_cast<std::uint16_t>(half_above) : std::uint16_t{0};
   });
   return counts;
 }

@@ -35,7 +35,7 @@ class FrameWriter {
 /// Which frames a writer is given, and how it stores them.
 struct FrameWriterOptions {
   std::int64_t first = 0;  ///< index of the first frame, >= 0
-  std::int64_t count = 0;  ///< number of frames, >= 0; 0 = as many as come (not for h5)
+  std::int64_t count = 0;  ///< number of frames, >= 0; 0 = as many as come
   double depth_unit_mm =
       0.1;  ///< millimetres a count of depth, (0, 1000]; folder and h5: 0.1 reaches to 6.5 m
   PixelOrigin pixel_origin = PixelOrigin::centre;  ///< of the files of folder; h5 has centre, icg corner

@@ -26,11 +26,6 @@ fs::path with_suffix(fs::path path, std::string_view suffix) {
   return path;
 }
 
-fs::path log_path(const fs::path& path, const FrameWriterOptions& options) {
-  if (options.count < 1) fail("{}: the number of frames must be known before the first", path.string());
-  return with_suffix(path, ".partial");
-}
-
 /// All that the frames of a run depend on.
 std::string identity_of(const FrameWriterOptions& options) {
   return fmt::format("with hands and labels\nfirst {}\ncount {}\ndepth_unit_mm {}\n{}", options.first,
@@ -119,7 +114,7 @@ H5Writer::H5Writer(fs::path path, const FrameWriterOptions& options)
     : path_(std::move(path)),
       options_(options),
       ledger_(path_.string(), options, FrameCameras::of_one_size),
-      log_(log_path(path_, options), identity_of(options)) {
+      log_(with_suffix(path_, ".partial"), identity_of(options)) {
   restore();
 }
 
@@ -132,6 +127,11 @@ void H5Writer::restore() {
                   {indices.begin(), indices.end()});
 }
 
+/// Of the frames of the set.
+std::int64_t H5Writer::count() const {
+  return options_.count > 0 ? options_.count : ledger_.size();
+}
+
 void H5Writer::write(std::int64_t index, const Frame& frame) {
   ledger_.enter(index, frame);
   const std::string where = fmt::format("{}: frame {}", path_.string(), index);
@@ -141,19 +141,19 @@ void H5Writer::write(std::int64_t index, const Frame& frame) {
 
 void H5Writer::create_arrays(Hdf5Writer& file) const {
   const FrameLayout layout = *ledger_.layout();
-  const auto count = static_cast<std::uint64_t>(options_.count);
-  const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(layout.camera.height),
+  const auto rows = static_cast<std::uint64_t>(count());
+  const std::vector<std::uint64_t> images{rows, static_cast<std::uint64_t>(layout.camera.height),
                                           static_cast<std::uint64_t>(layout.camera.width)};
   constexpr Hdf5Writer::Storage kOneFramePerChunk{1, 1};
   file.create_dataset<std::uint16_t>(kH5Depth, images, kOneFramePerChunk);
   if (layout.has_infrared) file.create_dataset<std::uint16_t>(kH5Infrared, images, kOneFramePerChunk);
   if (layout.has_mask) file.create_dataset<std::uint8_t>(kH5Mask, images, kOneFramePerChunk);
   if (layout.has_labels) file.create_dataset<std::uint8_t>(kH5Labels, images, kOneFramePerChunk);
-  file.create_dataset<float>(kH5Joints, {count, kSupersetSize, 3}, {});
-  file.create_dataset<double>(kH5Intrinsics, {count, 4}, {});
-  file.create_dataset<std::int8_t>(kH5Side, {count}, {});
-  if (layout.has_time) file.create_dataset<double>(kH5Time, {count}, {});
-  file.create_dataset<std::int32_t>(kH5Sequence, {count}, {});
+  file.create_dataset<float>(kH5Joints, {rows, kSupersetSize, 3}, {});
+  file.create_dataset<double>(kH5Intrinsics, {rows, 4}, {});
+  file.create_dataset<std::int8_t>(kH5Side, {rows}, {});
+  if (layout.has_time) file.create_dataset<double>(kH5Time, {rows}, {});
+  file.create_dataset<std::int32_t>(kH5Sequence, {rows}, {});
 }
 
 std::vector<StoredFrame> H5Writer::read_back(std::int64_t first, std::int64_t count) const {
@@ -172,10 +172,10 @@ void H5Writer::write_frames(Hdf5Writer& file) const {
   RowBlock<std::int8_t> sides(file, kH5Side);
   HandsOfFrames hands;
   Timeline timeline;
-  Progress progress("assemble", "frames", options_.count);
-  for (std::int64_t first = 0; first < options_.count; first += kFramesAtOnce) {
+  Progress progress("assemble", "frames", count());
+  for (std::int64_t first = 0; first < count(); first += kFramesAtOnce) {
     std::int64_t index = first;
-    for (const StoredFrame& frame : read_back(first, std::min(kFramesAtOnce, options_.count - first))) {
+    for (const StoredFrame& frame : read_back(first, std::min(kFramesAtOnce, count() - first))) {
       const auto row = static_cast<std::uint64_t>(index++);
       file.write_chunk(kH5Depth, row, frame.depth);
       if (!frame.infrared.empty()) file.write_chunk(kH5Infrared, row, frame.infrared);
@@ -200,9 +200,9 @@ void H5Writer::write_frames(Hdf5Writer& file) const {
 void H5Writer::write_timeline(Hdf5Writer& file, const Timeline& timeline) const {
   if (const auto fault = fault_of(timeline))
     fail("{}: frame {}: {}", path_.string(), options_.first + fault->frame, fault->message);
-  const auto count = static_cast<std::uint64_t>(options_.count);
-  if (!timeline.times_s.empty()) file.write_rows(kH5Time, 0, count, timeline.times_s.data());
-  file.write_rows(kH5Sequence, 0, count, timeline.sequences.data());
+  const auto rows = static_cast<std::uint64_t>(count());
+  if (!timeline.times_s.empty()) file.write_rows(kH5Time, 0, rows, timeline.times_s.data());
+  file.write_rows(kH5Sequence, 0, rows, timeline.sequences.data());
 }
 
 void H5Writer::write_whole(const fs::path& path) const {
@@ -224,6 +224,9 @@ void H5Writer::write_whole(const fs::path& path) const {
 
 void H5Writer::finish() {
   ledger_.require_complete();
+  for (std::int64_t i = 0; i < count(); ++i) {
+    if (!has(options_.first + i)) fail("{}: frame {} was not written", path_.string(), options_.first + i);
+  }
   const fs::path whole = with_suffix(path_, ".assembled");
   try {
     write_whole(whole);

@@ -25,9 +25,12 @@ class H5Writer final : public FrameWriter {
   void write(std::int64_t index, const Frame& frame) override;
   bool has(std::int64_t index) const override { return ledger_.has(index); }
   void finish() override;
+  /// Frames that are written, by earlier runs too.
+  std::int64_t size() const { return ledger_.size(); }
 
  private:
   void restore();
+  std::int64_t count() const;
   void write_whole(const std::filesystem::path& path) const;
   void create_arrays(Hdf5Writer& file) const;
   /// Frames [first, first + count) of the set, from the log.
