@@ -218,7 +218,8 @@ function showStream(): void {
   const { info } = state;
   if (!info) return;
   setText(element("source"), info.source || "–");
-  setText(element("pipeline"), info.pipeline || "–");
+  setText(element("pipeline"), info.pipeline.split("/").slice(-2).join("/") || "–");
+  element("pipeline").title = info.pipeline;
   setText(element("version"), `Knuckle ${info.version}`);
   document.title = info.source ? `${info.source} – Knuckle live` : "Knuckle live";
   showRecording();
@@ -522,6 +523,7 @@ Object.assign(globalThis, {
   knuckle: {
     seenFrom: () => cloudView?.seenFrom() ?? null,
     frame: () => state.header?.record.frame ?? null,
+    header: () => state.header,
     counts: () => ({ received: state.received, shown: state.shown, malformed: state.malformed }),
   },
 });

@@ -9,6 +9,9 @@ import { fileURLToPath } from "node:url";
 const pageFolder = join(dirname(fileURLToPath(import.meta.url)), "..", "dist");
 const types = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
 
+// What the server of knuckle allows a page (src/knuckle/view).
+const rules = "default-src 'self'; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none';";
+
 /** A message of /api/frames: header (its `record` and all else), depth, and infrared where there is one. */
 export function encodeFrame(header, depth, infrared = null, padding = 0) {
   const text = Buffer.from(JSON.stringify(header) + " ".repeat(padding));
@@ -88,7 +91,7 @@ export class MockServer {
   async #answer(request, answer) {
     this.requests.push(`${request.method} ${request.url}`);
     const { pathname } = new URL(request.url, "http://localhost");
-    answer.setHeader("Content-Security-Policy", "default-src 'self'");
+    answer.setHeader("Content-Security-Policy", rules + ` connect-src 'self' ws://${request.headers.host}`);
     answer.setHeader("Cache-Control", "no-store");
     const json = (status, value) => answer.writeHead(status, { "Content-Type": "application/json" }).end(JSON.stringify(value));
     if (pathname === "/api/info") return this.refusesInfo ? json(this.refusesInfo, { error: "refused" }) : json(200, this.info);
