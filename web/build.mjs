@@ -25,4 +25,5 @@ await esbuild.build({
   target: "chrome123",  // keeps light-dark() and nesting as they are written
 });
 mkdirSync(out, { recursive: true });
+copyFileSync(join(here, "node_modules/three/LICENSE"), join(out, "three.LICENSE.txt"));
 for (const file of ["index.html", "icon.svg"]) copyFileSync(join(here, "src", file), join(out, file));
