@@ -14,10 +14,11 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 27> kTargets{{
+constexpr std::array<FuzzTarget, 29> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
+    {"control", run_control},
     {"csv", run_csv},
     {"dataset_toml", run_dataset_toml},
     {"exr", run_exr},
@@ -37,6 +38,7 @@ constexpr std::array<FuzzTarget, 27> kTargets{{
     {"pose_forest", run_pose_forest},
     {"poses", run_poses},
     {"record", run_record},
+    {"request", run_request},
     {"rosbag", run_rosbag},
     {"segmentation_forest", run_segmentation_forest},
     {"source", run_source},

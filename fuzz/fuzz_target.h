@@ -74,5 +74,7 @@ void run_journal(Bytes bytes);
 void run_frame_log(Bytes bytes);
 void run_fakenect(Bytes bytes);
 void run_rosbag(Bytes bytes);
+void run_control(Bytes bytes);
+void run_request(Bytes bytes);
 
 }  // namespace knuckle::fuzz

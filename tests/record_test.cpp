@@ -19,6 +19,7 @@ class RecordTest : public ::testing::Test {
     ASSERT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--count", "12", "--out",
                              path("made.h5")}),
                 Succeeded());
+    fs::remove(path("made.h5.options.toml"));
   }
 
   std::string path(const std::string& name) const { return folder_ / name; }
@@ -71,9 +72,9 @@ TEST_F(RecordTest, ALoopIsRecordedAsSequences) {
 TEST_F(RecordTest, CtrlCEndsItWithAWholeSet) {
   for (const std::string out : {"a.h5", "b"}) {
     const std::string log = path(out == "b" ? "b.recording.h5.partial" : out + ".partial");
-    const ProgramRun run = run_program_until(
-        [&] { return fs::exists(log) && fs::file_size(log) > 100000; },
-        {"record", "--source", made("?rate=50&loop=1"), "--out", path(out)}, SIGINT);
+    const ProgramRun run =
+        run_program_until([&] { return fs::exists(log) && fs::file_size(log) > 100000; },
+                          {"record", "--source", made("?rate=50&loop=1"), "--out", path(out)}, SIGINT);
     ASSERT_THAT(run, Succeeded());
     EXPECT_FALSE(fs::exists(log));
     const auto recorded = open_source((out == "b" ? "folder:" : "h5:") + path(out));

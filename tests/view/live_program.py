@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import signal
 import socket
 import struct
@@ -30,10 +31,16 @@ def skip_without_server():
 class Live:
     """A running program; `with` ends it."""
 
-    def __init__(self, *arguments, source=SOURCE, port="0"):
+    def __init__(self, *arguments, source=SOURCE, port="0", most_kb=None):
+        def prepare():
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            if most_kb:  # files may grow no longer, as on a full disk
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (most_kb << 10, most_kb << 10))
+
         self.process = subprocess.Popen([program(), "live", "--source", source, "--view", port, *arguments], cwd=PROJECT,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+                                        preexec_fn=prepare)
         line = self.process.stderr.readline()
         found = re.fullmatch(r"view: (http://([^:/]+):(\d+)/(?:\?token=([0-9a-f]{32}))?)\n", line)
         if not found:

@@ -96,11 +96,16 @@ class LiveViewTest(unittest.TestCase):
                                             "port, or 0 for any that is free\n")
 
     def test_wrong_options_are_said(self):
-        for option, part in [(["--view", "x"], "--view"), (["--view", "70000"], "70000"), (["--view", "0", "--host", "nowhere"], "nowhere")]:
-            wrong = run("live", "--source", SOURCE, *option)
-            self.assertEqual(wrong.returncode, 1, wrong.stderr)
-            self.assertEqual(wrong.stderr.count("\n"), 1)
+        for options, status, part in [(["--view", "x"], 2, "'x' is no port"), (["--view", "70000"], 2, "'70000' is no port"),
+                                      (["--host", "0.0.0.0"], 2, "--view"), (["--record-folder", "x"], 2, "--view"),
+                                      (["--view", "0", "--host", "nowhere"], 1, "nowhere")]:
+            wrong = run("live", "--source", SOURCE, *options)
+            self.assertEqual(wrong.returncode, status, wrong.stderr)
             self.assertIn(part, wrong.stderr)
+
+    def test_without_a_number_it_is_the_usual_port(self):
+        seen = run("live", "--view", "--source", SOURCE, "--frames", "1").stderr
+        self.assertRegex(seen, r"^(view: http://127\.0\.0\.1:8790/|knuckle: port 8790 of 127\.0\.0\.1 is in use)")
 
     def test_another_host_needs_the_token(self):
         with Live("--host", "0.0.0.0") as live:
@@ -181,6 +186,21 @@ class LiveViewTest(unittest.TestCase):
             self.assertEqual(len(takes), 2, takes)
             for take in takes:
                 self.assertGreater(frames_in(take), 0)
+
+    def test_a_full_disk_ends_the_recording_and_nothing_else(self):
+        with Live("--record-folder", str(self.folder), most_kb=60) as live:
+            frames = Socket(live, "/api/frames")
+            self.assertEqual(self.set_recording(live, True)[0], 200)
+            recording = {"fault": ""}
+            while not recording["fault"]:
+                recording = frames.frame()[0]["recording"]
+            self.assertIn("cannot write", recording["fault"])
+            self.assertIsNone(recording["file"])
+            for _ in range(5):
+                frames.frame()
+            status, _, errors = live.end()
+            self.assertEqual(status, 1)
+            self.assertRegex(errors, r"^knuckle: .*cannot write: .*`knuckle record --finish .*\n$")
 
     def test_a_recording_of_the_whole_run_is_not_the_pages(self):
         with Live("--record", str(self.folder / "a.h5")) as live:

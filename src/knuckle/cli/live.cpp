@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <charconv>
 #include <csignal>
 #include <cstdio>
 
@@ -134,22 +135,39 @@ void run_live_verb(const LiveArguments& arguments) {
   }
 }
 
+/// A port from the command line; empty: the usual one.
+int port_from(const std::string& text) {
+  constexpr int kMostPort = 65535;
+  if (text.empty()) return kUsualPort;
+  int port = -1;
+  const char* const end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, port);
+  if (fault != std::errc() || rest != end || port < 0 || port > kMostPort)
+    throw CLI::ValidationError("--view", fmt::format("'{}' is no port, expected 0 to {}", text, kMostPort));
+  return port;
+}
+
 void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& arguments) {
-  verb.add_option_function<std::string>(
-          "--view",
-          [arguments](const std::string& port) {
-            arguments->is_viewed = true;
-            if (!port.empty()) arguments->port = static_cast<int>(parse_integer(port, "--view"));
-          },
-          fmt::format("Serves a page that shows the hand, and records for programs, on this port; 0: any "
-                      "free one [{}]",
-                      kUsualPort))
-      ->expected(0, 1)
-      ->type_name("PORT");
+  CLI::Option* const view = verb.add_option_function<std::string>(
+      "--view",
+      [arguments](const std::string& port) {
+        arguments->is_viewed = true;
+        arguments->port = port_from(port);
+      },
+      fmt::format(
+          "Serves a page that shows the hand, and records for programs, on this port; 0: any free one [{}]",
+          kUsualPort));
+  view->expected(0, 1)->type_name("PORT");
   verb.add_option("--host", arguments->host,
                   "Address that --view serves; others than this machine's own need the token that is printed")
       ->type_name("ADDRESS")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(view);
+  verb.add_option("--record-folder", arguments->record_folder,
+                  "Lets the page of --view begin and end recordings, which go into this folder")
+      ->type_name("DIR")
+      ->needs(view)
+      ->excludes(verb.get_option("--record"));
 }
 
 }  // namespace
@@ -172,14 +190,9 @@ void add_live(CLI::App& program) {
   verb.add_option("--records", arguments->records,
                   "Frame records as they come, one line of JSON each; -: on standard output")
       ->type_name("FILE");
-  CLI::Option* const record =
-      verb.add_option("--record", arguments->record,
-                      "Keeps all raw frames, from start to end, in a new file F.h5 or a new folder")
-          ->type_name("F.h5|DIR");
-  verb.add_option("--record-folder", arguments->record_folder,
-                  "Lets the page of --view begin and end recordings, which go into this folder")
-      ->type_name("DIR")
-      ->excludes(record);
+  verb.add_option("--record", arguments->record,
+                  "Keeps all raw frames, from start to end, in a new file F.h5 or a new folder")
+      ->type_name("F.h5|DIR");
   add_view_options(verb, arguments);
   verb.add_option("--frames", arguments->frames,
                   "Ends after so many frames were looked at; 0: with the stream, or Ctrl-C")

@@ -67,8 +67,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Session& operator=(const Session&) = delete;
   virtual ~Session() = default;
 
-  /// A frame was looked at.
-  virtual void show(const Update& /*update*/) {}
+  /// There is a new frame, the hub's newest.
+  virtual void show() {}
   /// Ends the connection once all that waits has been sent.
   virtual void end() = 0;
   /// Ends the connection now.
@@ -110,20 +110,24 @@ struct Hub {
   }
   /// The message of the newest frame, made when the first client asks for it.
   const std::shared_ptr<const std::vector<std::uint8_t>>& newest_message() {
-    if (message_of_ != newest.get()) {
+    if (message_ == nullptr)
       message_ = std::make_shared<const std::vector<std::uint8_t>>(frame_message(*newest));
-      message_of_ = newest.get();
-    }
     return message_;
   }
-  void forget_message() {
+  /// The record of the newest frame, likewise.
+  const std::shared_ptr<const std::string>& newest_record() {
+    if (record_ == nullptr) record_ = std::make_shared<const std::string>(to_json_line(newest->record));
+    return record_;
+  }
+  void set_newest(Update update) {
+    newest = std::move(update);
     message_.reset();
-    message_of_ = nullptr;
+    record_.reset();
   }
 
  private:
   std::shared_ptr<const std::vector<std::uint8_t>> message_;
-  const LiveUpdate* message_of_ = nullptr;
+  std::shared_ptr<const std::string> record_;
 };
 
 /// Ends what takes too long.
@@ -192,9 +196,8 @@ class SocketSession final : public Session {
     socket_.async_accept(request, [self = self<SocketSession>()](Fault fault) { self->on_accepted(fault); });
   }
 
-  void show(const Update& update) override {
-    if (kind_ == Kind::records)
-      records_.add(std::make_shared<const std::string>(to_json_line(update->record)));
+  void show() override {
+    if (kind_ == Kind::records) records_.add(hub_.newest_record());
     has_newer_ = true;
     write();
   }
@@ -291,8 +294,8 @@ class LineSession final : public Session {
     send(std::move(head));
     read();
   }
-  void show(const Update& update) override {
-    records_.add(std::make_shared<const std::string>(to_json_line(update->record) + "\n"));
+  void show() override {
+    records_.add(hub_.newest_record());
     write();
   }
   void end() override {
@@ -316,8 +319,8 @@ class LineSession final : public Session {
     if (is_chunked_ && !std::exchange(is_last_sent_, true)) return send("0\r\n\r\n");
     close();
   }
-  std::string piece_of(const std::string& line) const {
-    return is_chunked_ ? fmt::format("{:x}\r\n{}\r\n", line.size(), line) : line;
+  std::string piece_of(const std::string& record) const {
+    return is_chunked_ ? fmt::format("{:x}\r\n{}\n\r\n", record.size() + 1, record) : record + "\n";
   }
   void send(std::string piece) {
     is_writing_ = true;
@@ -569,7 +572,7 @@ void check(const LiveServerOptions& options) {
 asio::ip::address address_of(const std::string& host) {
   if (host == "localhost") return asio::ip::address_v4::loopback();
   Fault fault;
-  const auto address = asio::ip::make_address(host, fault);
+  auto address = asio::ip::make_address(host, fault);
   if (fault) fail("--host {}: expected an address of this machine, such as 127.0.0.1 or 0.0.0.0", host);
   return address;
 }
@@ -659,8 +662,8 @@ class LiveServer::Impl {
           if (!cancelled && !hub_.is_ending) accept();
         });
       }
+      accept();  // first: whatever happens to this one, others are welcome
       welcome(std::move(socket));
-      accept();
     });
   }
 
@@ -685,9 +688,8 @@ class LiveServer::Impl {
       updates.swap(updates_);
     }
     for (const Update& update : updates) {
-      hub_.forget_message();
-      hub_.newest = update;
-      hub_.for_each_session([&](Session& session) { session.show(update); });
+      hub_.set_newest(update);
+      hub_.for_each_session([](Session& session) { session.show(); });
     }
   }
 

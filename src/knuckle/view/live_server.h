@@ -19,6 +19,7 @@ struct RecordingControl {
   std::function<void(bool on)> set = {};
 };
 
+/// Where a server listens, and how long it has patience.
 struct LiveServerOptions {
   std::string host = "127.0.0.1";  ///< an address of this machine, "localhost", or 0.0.0.0 for all of them
   int port = 8790;                 ///< [0, 65535]; 0: any free one

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/frame_log.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -118,15 +119,33 @@ bool FrameLog::restore_record(std::uint64_t file_size) {
   Checksum expected_sum = 0;
   std::memcpy(&expected_sum, expected.data() + expected.size() - sizeof(sum), sizeof(sum));
   if (!is_sum(sum, expected_sum)) return false;
-  records_[head.index] = {start, head.size};
+  note({head.index, start, head.size});
   end_ += expected.size();
   return true;
 }
 
+void FrameLog::note(const Record& record) {
+  is_sorted_ = is_sorted_ && (records_.empty() || records_.back().index < record.index);
+  records_.push_back(record);
+}
+
+/// By index; of several records of a frame the last one counts.
+void FrameLog::sort_records() const {
+  if (std::exchange(is_sorted_, true)) return;
+  std::ranges::stable_sort(records_, {}, &Record::index);
+  const auto is_replaced = [](const Record& record, const Record& next) {
+    return record.index == next.index;
+  };
+  std::ranges::reverse(records_);
+  records_.erase(std::unique(records_.begin(), records_.end(), is_replaced), records_.end());
+  std::ranges::reverse(records_);
+}
+
 std::vector<std::int64_t> FrameLog::indices() const {
   const std::lock_guard lock(mutex_);
+  sort_records();
   std::vector<std::int64_t> indices;
-  for (const auto& [index, record] : records_) indices.push_back(index);
+  for (const Record& record : records_) indices.push_back(record.index);
   return indices;
 }
 
@@ -134,13 +153,17 @@ void FrameLog::append(std::int64_t index, std::span<const std::uint8_t> content)
   const std::vector<std::uint8_t> bytes = record_of(index, content);
   const std::lock_guard lock(mutex_);
   write_at(end_, bytes);
-  records_[index] = {end_ + sizeof(RecordHead), content.size()};
+  note({index, end_ + sizeof(RecordHead), content.size()});
   end_ += bytes.size();
 }
 
 FrameLog::Record FrameLog::record_of_frame(std::int64_t index) const {
   const std::lock_guard lock(mutex_);
-  return records_.at(index);
+  sort_records();
+  const auto record = std::ranges::lower_bound(records_, index, {}, &Record::index);
+  if (record == records_.end() || record->index != index)
+    fail("{}: frame {} is not in it", path_.string(), index);
+  return *record;
 }
 
 std::vector<std::uint8_t> FrameLog::read(std::int64_t index) const {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 namespace knuckle {
@@ -28,7 +28,7 @@ class FrameLog {
   FrameLog(const FrameLog&) = delete;
   FrameLog& operator=(const FrameLog&) = delete;
 
-  /// The frames in the log, in no order.
+  /// The frames in the log, in their order.
   std::vector<std::int64_t> indices() const;
   /// Adds a frame. Safe to call from many threads.
   void append(std::int64_t index, std::span<const std::uint8_t> content);
@@ -39,10 +39,13 @@ class FrameLog {
 
  private:
   struct Record {
+    std::int64_t index;
     std::uint64_t offset;  ///< of the content
     std::uint64_t size;
   };
 
+  void note(const Record& record);
+  void sort_records() const;
   Record record_of_frame(std::int64_t index) const;
   void restore(const std::string& head);
   void write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes) const;
@@ -53,7 +56,9 @@ class FrameLog {
   int descriptor_;
   mutable std::mutex mutex_;  ///< guards what follows
   std::uint64_t end_ = 0;     ///< where the next record goes
-  std::unordered_map<std::int64_t, Record> records_;
+  /// 24 bytes a frame, however long a recording; in no order until one is looked for.
+  mutable std::deque<Record> records_;
+  mutable bool is_sorted_ = true;
 };
 
 }  // namespace knuckle

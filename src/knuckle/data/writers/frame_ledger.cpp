@@ -38,7 +38,12 @@ FrameLayout checked_layout(const Frame& frame, std::string_view where) {
 }  // namespace
 
 FrameLedger::FrameLedger(std::string where, const FrameWriterOptions& options, FrameCameras cameras)
-    : where_(std::move(where)), first_(options.first), count_(options.count), cameras_(cameras) {
+    : where_(std::move(where)),
+      first_(options.first),
+      count_(options.count),
+      cameras_(cameras),
+      entered_(options.first),
+      written_(options.first) {
   if (first_ < 0 || count_ < 0) fail("{}: frames {} and {} more cannot be written", where_, first_, count_);
 }
 
@@ -55,7 +60,7 @@ void FrameLedger::enter(std::int64_t index, const Frame& frame) {
   }
   if (!fit_together(layout, *layout_, cameras_))
     fail("{} has another camera or other images than the frames before", where);
-  if (!entered_.insert(index).second) fail("{} comes twice", where);
+  if (!entered_.insert(index)) fail("{} comes twice", where);
 }
 
 void FrameLedger::note_written(std::int64_t index) {
@@ -63,11 +68,13 @@ void FrameLedger::note_written(std::int64_t index) {
   written_.insert(index);
 }
 
-void FrameLedger::restore(const FrameLayout& layout, const std::unordered_set<std::int64_t>& indices) {
+void FrameLedger::restore(const FrameLayout& layout, const std::vector<std::int64_t>& indices) {
   const Lock lock(mutex_);
   layout_ = layout;
-  entered_ = indices;
-  written_ = indices;
+  for (const std::int64_t index : indices) {
+    entered_.insert(index);
+    written_.insert(index);
+  }
 }
 
 bool FrameLedger::has(std::int64_t index) const {
@@ -77,7 +84,7 @@ bool FrameLedger::has(std::int64_t index) const {
 
 std::int64_t FrameLedger::size() const {
   const Lock lock(mutex_);
-  return static_cast<std::int64_t>(written_.size());
+  return written_.size();
 }
 
 std::optional<FrameLayout> FrameLedger::layout() const {
@@ -88,8 +95,8 @@ std::optional<FrameLayout> FrameLedger::layout() const {
 void FrameLedger::require_complete() const {
   const Lock lock(mutex_);
   if (written_.empty()) fail("{}: no frame was written", where_);
-  const auto written = static_cast<std::int64_t>(written_.size());
-  const auto expected = count_ > 0 ? count_ : static_cast<std::int64_t>(entered_.size());
+  const std::int64_t written = written_.size();
+  const std::int64_t expected = count_ > 0 ? count_ : entered_.size();
   if (written != expected) fail("{}: {} of {} frames were not written", where_, expected - written, expected);
 }
 

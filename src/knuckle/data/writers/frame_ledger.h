@@ -5,10 +5,11 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <unordered_set>
+#include <vector>
 
 #include "knuckle/core/frame.h"
 #include "knuckle/data/writers/frame_writer.h"
+#include "knuckle/data/writers/index_set.h"
 
 namespace knuckle {
 
@@ -44,7 +45,7 @@ class FrameLedger {
   /// Notes that an entered frame is written.
   void note_written(std::int64_t index);
   /// Enters frames that an earlier run has written.
-  void restore(const FrameLayout& layout, const std::unordered_set<std::int64_t>& indices);
+  void restore(const FrameLayout& layout, const std::vector<std::int64_t>& indices);
 
   bool has(std::int64_t index) const;  ///< whether it is written
   std::int64_t size() const;           ///< frames that are written
@@ -59,8 +60,8 @@ class FrameLedger {
   FrameCameras cameras_;
   mutable std::mutex mutex_;
   std::optional<FrameLayout> layout_;
-  std::unordered_set<std::int64_t> entered_;
-  std::unordered_set<std::int64_t> written_;
+  IndexSet entered_;
+  IndexSet written_;
 };
 
 }  // namespace knuckle

@@ -12,6 +12,7 @@
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/writers/folder_writer.h"
+#include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
@@ -172,9 +173,10 @@ void FrameRecorder::run() {
     {
       const std::lock_guard lock(fault_mutex_);
       fault_ = error.what();
-      if (written_ > 0)
+      if (written_ > 0) {
         fault_ += fmt::format("; {} holds the {} frames until then: make room, and {}",
                               log_of(path_).string(), written_.load(), how_to_finish(path_));
+      }
     }
     has_failed_ = true;
     way_.close();

@@ -15,10 +15,11 @@
 
 #include "knuckle/core/frame.h"
 #include "knuckle/core/hand_over.h"
-#include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/data/writers/recording_state.h"
 
 namespace knuckle {
+
+class H5Writer;
 
 /// Records raw frames as they come: depth, infrared, time, camera, sequence; no truth. Into a Knuckle dataset
 /// where the name ends in .h5, else into a folder set.

@@ -11,6 +11,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/open_dataset.h"
+#include "knuckle/data/writers/index_set.h"
 
 namespace fs = std::filesystem;
 
@@ -134,6 +135,18 @@ TEST(FrameWriter, ChecksItsOptions) {
   options = four_frames();
   options.count = -1;
   EXPECT_THAT(error_of([&] { create_frame_writer("h5", "/tmp/x", options); }), HasSubstr("-1 more"));
+}
+
+TEST(IndexSet, HoldsWhatCameInAnyOrder) {
+  IndexSet set(10);
+  EXPECT_TRUE(set.empty());
+  for (const std::int64_t index : {12, 10, 14, 11}) EXPECT_TRUE(set.insert(index));
+  for (const std::int64_t index : {10, 11, 12, 14}) EXPECT_FALSE(set.insert(index));
+  EXPECT_EQ(set.size(), 4);
+  for (const std::int64_t index : {9, 13, 15}) EXPECT_FALSE(set.contains(index));
+  EXPECT_TRUE(set.insert(13));
+  EXPECT_EQ(set.size(), 5);
+  for (std::int64_t index = 10; index < 15; ++index) EXPECT_TRUE(set.contains(index));
 }
 
 TEST(FrameWriter, DoesNotMixSets) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -124,7 +123,7 @@ void H5Writer::restore() {
   const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
   ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !frame.labels.empty(),
                    !std::isnan(frame.time_s)},
-                  {indices.begin(), indices.end()});
+                  indices);
 }
 
 /// Of the frames of the set.
