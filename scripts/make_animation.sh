@@ -11,7 +11,7 @@ knuckle=${KNUCKLE:-build/release/bin/knuckle}
 frames=96
 work=$(mktemp -d)
 server=
-trap '[ -z "$server" ] || kill -INT "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
+trap '[ -z "$server" ] || kill -TERM "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
 
 sed -e 's/^seed = .*/seed = 402/' -e "s/^frames = .*/frames = $frames/" -e 's/^frames_a_pose = .*/frames_a_pose = 12/' \
   -e 's/^gesture_share = .*/gesture_share = 1.0/' -e 's/^pair_share = .*/pair_share = 0.0/' \
