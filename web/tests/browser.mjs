@@ -76,9 +76,13 @@ export class OpenPage {
     return this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
 
-  async picture(selector) {
-    await this.drawn();
-    return decodePng(await this.page.locator(selector).screenshot());
+  picture(selector) {
+    return pictureOf(this.page, selector);
+  }
+
+  /** Waits until an element does not say something any more. */
+  async saysNo(selector, pattern) {
+    await this.page.waitForFunction(([where, source]) => !new RegExp(source).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source]);
   }
 
   text(selector) {
@@ -94,6 +98,19 @@ export class OpenPage {
       assert.fail(`${selector} says "${await this.page.locator(selector).textContent()}", expected ${pattern}`);
     }
   }
+}
+
+/** An element as it is seen once it changes no more: a machine that is busy shows late what it has drawn. */
+export async function pictureOf(page, selector) {
+  let before = null;
+  for (let i = 0; i < 20; ++i) {
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    await page.waitForTimeout(100);
+    const file = await page.locator(selector).screenshot();
+    if (before?.equals(file)) break;
+    before = file;
+  }
+  return decodePng(before);
 }
 
 /** Where a camera that stands at `position` and looks at `target` sees a point: column and row of a picture. Sensor coordinates: y points down. */

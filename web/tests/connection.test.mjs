@@ -36,8 +36,7 @@ test("a lost connection is said, and found again", async () => {
   await open.page.keyboard.press("c");
   await open.server.viewer();
   await open.show(header(1), depth);
-  await open.page.waitForFunction(() => document.getElementById("notices").hidden);
-  await open.says("#connection-text", /^Live$/);
+  await open.saysNo("#notices", /Connection lost/);
 });
 
 test("a page that is opened too early waits for its server", async () => {
@@ -59,7 +58,7 @@ test("the page says when no frames come", async () => {
   const open = await OpenPage.open(browser);
   await open.says("#notices", /Connected, but no frame has come for \d+ s\. Is the camera running\?/);
   await open.show(header(0), depth);
-  await open.page.waitForFunction(() => document.getElementById("notices").hidden);
+  await open.saysNo("#notices", /no frame has come/);
   await open.says("#notices", /No frames for \d+ s\. Has the recording ended, or is the camera unplugged\?/);
   assert.equal(await open.text("#connection-text"), "No frames");
 });

@@ -177,7 +177,7 @@ test("recording is started and stopped, and its state and faults are said", asyn
   server.recordingFault = null;
   await page.click("#record");
   await open.says("#recording-text", /^hand\.h5/);
-  await page.waitForFunction(() => document.getElementById("notices").hidden);
+  await open.saysNo("#notices", /could not be started/);
   await open.show(header(2, { recording: { file: null, frames: 50, dropped: 0, fault: "the disk is full" } }), depth);
   await open.says("#notices", /The recording has ended: the disk is full\.$/);
 });

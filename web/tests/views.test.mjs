@@ -15,8 +15,9 @@ const sure = (hand) => ({ ...hand, confidence: Object.fromEntries(Object.keys(ha
 
 /** How many of the points lie on a colour. */
 function hits(picture, points, colour, most = 30) {
-  return points.filter(([column, row]) => column >= 0 && row >= 0 && column < picture.width && row < picture.height &&
-    isLike(colourAt(picture, column, row), colour, most)).length;
+  const near = [[0, 0], [-1, 0], [1, 0], [0, -1], [0, 1]];  // a neighbour's outline may cover the very middle
+  return points.filter(([column, row]) => column >= 1 && row >= 1 && column < picture.width - 1 && row < picture.height - 1 &&
+    near.some(([right, down]) => isLike(colourAt(picture, column + right, row + down), colour, most))).length;
 }
 
 async function openWith(hand, c = scene.camera, options = {}) {
@@ -49,9 +50,9 @@ test("the pixel origin moves landmarks by half a pixel", async () => {
     const picture = await open.picture("#image");
     // The name below the disc has its colour too: only the disc's surroundings are looked at.
     const [column, row] = imageAt([9, 6], c, picture.width, picture.height);
-    const around = { ...picture, height: Math.floor(row + 8) };
+    const around = { ...picture, height: Math.floor(row + 5) };
     const found = findColour(around, right);
-    assert.ok(found.count > 20);
+    assert.ok(found.count > 8, `${found.count} pixels`);
     assert.ok(Math.abs(found.column - column) < 0.6 && Math.abs(found.row - row) < 0.8, `${pixel_origin}: ${found.column} ${found.row}, not ${column} ${row}`);
     }
 });
@@ -134,7 +135,7 @@ for (const [name, c] of Object.entries(cameras)) {
     // The middle of the patch is where the point is: as much of it to all sides.
     const [column, row] = points[4];
     const around = crop(picture, column - 14, row - 14, 29, 29);
-    const all = emptiness(around);
+    const all = findColour(around, colourAt(picture, column, row), 12);
     assert.ok(Math.abs(all.column - 14.5) < 1.6 && Math.abs(all.row - 14.5) < 1.6, `${all.column} ${all.row}`);
     assert.deepEqual(open.faults, []);
     });
