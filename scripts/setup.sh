@@ -25,6 +25,8 @@ development_packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   # writes recordings that tests read
   libfreenect-bin
+  # shows the page of `live` in its tests
+  chromium
 )
 case "${1:-}" in
   "") packages+=("${development_packages[@]}") ;;
@@ -67,3 +69,4 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 
 scripts/fetch_makehuman.sh
+[ "${1:-}" = program ] || scripts/fetch_web_packages.sh

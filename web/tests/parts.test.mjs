@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of the page that need no browser: ranges, colours, history, rates.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import * as esbuild from "esbuild";
+import { encodeFrame } from "./mock_server.mjs";
+import * as scene from "./scene.mjs";
+
+/** A source of the page as a module of Node's. */
+async function load(name) {
+  const { outputFiles } = await esbuild.build({
+    entryPoints: [join(dirname(fileURLToPath(import.meta.url)), "..", "src", `${name}.ts`)],
+    bundle: true, write: false, format: "esm", logLevel: "silent",
+  });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
+}
+
+const { DepthRange, roundTicks } = await load("depth_range");
+const { depthPalette, handColours, srgbOfOklch } = await load("palette");
+const { History } = await load("history");
+const { Rate, Samples } = await load("chart");
+const { FrameImages, readFrame, readInfo, readRecording } = await load("protocol");
+
+const bufferOf = (bytes) => bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+
+test("a message is read back as it was written, at even and odd places", () => {
+  const hands = [scene.makeHand()];
+  const depth = scene.depthOf(hands);
+  const infrared = scene.makeInfrared(depth);
+  for (const padding of [0, 1, 2, 3]) {
+    const header = scene.makeHeader({ frame: 3, hands, infrared: true });
+    const message = readFrame(bufferOf(encodeFrame(header, depth, infrared, padding)));
+    assert.deepEqual(message.header.record.hands[0].landmarks_mm, hands[0].landmarks_mm);
+    const images = new FrameImages();
+    images.take(message);
+    assert.deepEqual(images.depth, depth);
+    assert.deepEqual(images.infrared, infrared);
+  }
+});
+
+test("memory of images is kept from frame to frame", () => {
+  const images = new FrameImages();
+  const message = readFrame(bufferOf(encodeFrame(scene.makeHeader({}), scene.depthOf([]))));
+  images.take(message);
+  const before = images.depth;
+  images.take(message);
+  assert.equal(images.depth, before);
+});
+
+test("what may be missing in descriptions and states has a meaning", () => {
+  assert.deepEqual(readInfo({ camera: null }).bones, []);
+  assert.equal(readInfo({}).can_record, false);
+  assert.equal(readRecording(null), null);
+  assert.deepEqual(readRecording({ file: null }), { file: null, frames: 0, dropped: 0, fault: "" });
+  assert.throws(() => readInfo([]), /not an object/);
+});
+
+test("the range of colours spans nearly all pixels, and follows slowly", () => {
+  const range = new DepthRange();
+  const depth = Uint16Array.from({ length: 70000 }, (_, i) => (i % 10 === 0 ? 0 : 500 + (i % 1000)));
+  range.follow(depth, 2);
+  assert.ok(Math.abs(range.near_mm - 1000) < 130 && Math.abs(range.far_mm - 2960) < 130, `${range.near_mm} ${range.far_mm}`);
+  const { near_mm } = range;
+  range.follow(depth.map((count) => 2 * count), 2);
+  assert.ok(range.near_mm > near_mm && range.near_mm < near_mm + 200);
+  const empty = new DepthRange();
+  empty.follow(new Uint16Array(100), 1);
+  assert.ok(empty.far_mm > empty.near_mm, "an image without depth changes nothing");
+  assert.equal(range.fix(500, 400), false);
+  assert.equal(range.fix(NaN, 400), false);
+  assert.equal(range.fix(400, 500), true);
+});
+
+test("ticks are round, few and within the range", () => {
+  for (const [near, far] of [[0, 1], [396, 1094], [300, 320], [0, 65535], [499.9, 10000]]) {
+    const ticks = roundTicks(near, far);
+    assert.ok(ticks.length >= 2 && ticks.length <= 7, `${near} ${far}: ${ticks}`);
+    assert.ok(ticks.every((tick) => tick >= near && tick <= far));
+  }
+});
+
+test("depth grows darker evenly from near to far", () => {
+  const palette = depthPalette();
+  const luminance = (i) => [0.2126, 0.7152, 0.0722].reduce((sum, weight, k) => sum + weight * (palette[4 * i + k] / 255) ** 2.2, 0);
+  for (let i = 8; i < 256; ++i) assert.ok(luminance(i) < luminance(i - 8), `shade ${i}`);  // single steps are below what bytes tell
+  assert.deepEqual(srgbOfOklch(1, 0, 0), [255, 255, 255]);
+  assert.deepEqual(srgbOfOklch(0, 0, 0), [0, 0, 0]);
+  assert.deepEqual(srgbOfOklch(0.6279554, 0.2576833, 29.2338805), [255, 0, 0]);  // red of sRGB
+});
+
+test("hands of one side have shades of their own, whatever their order", () => {
+  const hands = [{ id: 7, side: "right" }, { id: 2, side: "right" }, { id: 3, side: "left" }, { id: 5, side: null }];
+  const colours = handColours(hands);
+  assert.equal(new Set(colours).size, 4);
+  assert.deepEqual(handColours([...hands].reverse()), [...colours].reverse());
+});
+
+test("history is bounded in number and memory, and one walks in it", () => {
+  const message = (frame, bytes) => ({ frame, buffer: new ArrayBuffer(bytes) });
+  const history = new History();
+  for (let frame = 0; frame < 500; ++frame) history.add(message(frame, 10));
+  let steps = 0;
+  for (let shown = history.move(-1); shown; shown = history.move(-1)) assert.equal(shown.frame, 498 - steps++);
+  assert.equal(steps, 89);
+  assert.equal(history.canGoBack(), false);
+  assert.equal(history.move(1).frame, 411);
+  const large = new History();
+  for (let frame = 0; frame < 5; ++frame) large.add(message(frame, 20 << 20));
+  assert.equal(large.move(-1).frame, 3);
+  assert.equal(large.move(-1), null);
+});
+
+test("a rate is that of the last two seconds, and forgets another stream's count", () => {
+  const rate = new Rate();
+  assert.equal(rate.perSecond(0), null);
+  for (let i = 0; i <= 90; ++i) rate.update(i * 20, i);
+  assert.ok(Math.abs(rate.perSecond(1800) - 50) < 0.5);
+  rate.update(1820, 0);
+  assert.equal(rate.perSecond(1820), null);
+  const samples = new Samples();
+  for (let i = 0; i < 5000; ++i) samples.add(i, i);
+  assert.equal(samples.percentile(0.5, 4000), 4500);
+  assert.equal(samples.percentile(0.5, 6000), null);
+});
