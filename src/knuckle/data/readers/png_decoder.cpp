@@ -46,6 +46,13 @@ class PngReader {
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, reinterpret_cast<png_const_bytep>("tRNS"), 1);
     png_read_info(png_, info_);
     file_bits_per_pixel_ = std::uint64_t{png_get_bit_depth(png_, info_)} * png_get_channels(png_, info_);
+    return true;
+  }
+
+  /// Says what pixels shall look like. Takes memory for a row, so its length has to be checked before. False
+  /// at a fault.
+  bool prepare_pixels() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
     if (png_get_color_type(png_, info_) == PNG_COLOR_TYPE_PALETTE) {
       png_set_packing(png_);  // numbers of colours: libpng itself takes one beyond the palette for black
     } else {
@@ -148,6 +155,7 @@ PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& ori
   if (reader.file_bytes() > kDeflatesLimit * bytes.size()) {
     fail("{}: the PNG image is damaged: it says that it holds more pixels than it can", origin);
   }
+  if (!reader.prepare_pixels()) fail_of(reader, origin);
   PngPixels pixels;
   pixels.width = static_cast<int>(reader.width());
   pixels.height = static_cast<int>(reader.height());

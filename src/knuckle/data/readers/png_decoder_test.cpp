@@ -2,6 +2,7 @@
 #include "knuckle/data/readers/png_decoder.h"
 
 #include <opencv2/imgcodecs.hpp>
+#include <sys/resource.h>
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
@@ -134,6 +135,20 @@ TEST(PngDecoder, RefusesImpossibleSizesBeforeMemoryIsTaken) {
               HasSubstr("bit depth"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .type = 5, .rows = {9, 1, 2, 3}}.bytes()),
               HasSubstr("color type"));
+}
+
+TEST(PngDecoder, TakesNoMemoryForARowThatIsTooLong) {
+  const auto peak_kilobytes = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = peak_kilobytes();
+  for (const int type : {0, 2, 6}) {
+    const Png png{.width = 503316800, .height = 2, .type = type, .rows = Bytes(64)};
+    EXPECT_THAT(fault_of(png.bytes()), HasSubstr("503316800 x 2"));
+  }
+  EXPECT_LT(peak_kilobytes() - before, 100000);
 }
 
 TEST(PngDecoder, RefusesAnyChangedByteAndAnyCut) {
