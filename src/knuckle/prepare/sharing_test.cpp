@@ -81,7 +81,8 @@ TEST_P(SharingTest, OneRunningStreamFeedsManyThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, SharingTest,
-                         ::testing::Values("default.toml", "careful.toml", "free_hand.toml", "pose_forest.toml"),
+                         ::testing::Values("default.toml", "careful.toml", "free_hand.toml",
+                                           "pose_forest.toml"),
                          [](const auto& tested) {
                            const std::string file = tested.param;
                            return file.substr(0, file.find('.'));
