@@ -223,10 +223,11 @@ void Tracker::look_for_more(const Frame& frame) {
   for (HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = most}).hands) {
     const Point3 middle = Projection(frame.camera).to_camera(mean_joint(hand.pose));
     if (!middle.allFinite()) continue;
-    if (Track* const track = seen_near(middle))
+    if (Track* const track = seen_near(middle)) {
       track->is_found_again = true;
-    else
+    } else {
       others.push_back(std::move(hand));
+    }
   }
   for (Track& track : tracks_) {
     if (std::exchange(track.is_found_again, false)) track.trust = std::min(track.trust + 1, kMostTrust);
