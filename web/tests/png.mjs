@@ -59,10 +59,15 @@ export function isLike(colour, wanted, most = 24) {
 
 /** Number of the pixels that are like a colour, and their mean column and row (centres of pixels at .5). */
 export function findColour(picture, wanted, most = 24) {
+  return middleOf(picture, (colour) => isLike(colour, wanted, most));
+}
+
+/** Number of the pixels whose colour is taken, and their mean column and row (centres of pixels at .5). */
+export function middleOf(picture, isTaken) {
   let [count, columns, rows] = [0, 0, 0];
   for (let row = 0; row < picture.height; ++row) {
     for (let column = 0; column < picture.width; ++column) {
-      if (!isLike(colourAt(picture, column, row), wanted, most)) continue;
+      if (!isTaken(colourAt(picture, column, row))) continue;
       ++count;
       columns += column + 0.5;
       rows += row + 0.5;
