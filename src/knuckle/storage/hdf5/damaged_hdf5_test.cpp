@@ -159,6 +159,15 @@ TEST_F(DamagedHdf5, ChunksOfOtherNumbersAreRefused) {
   EXPECT_THAT(fault_of(bytes), HasSubstr("depth: its chunks hold other numbers"));
 }
 
+/// Each of its 20 rows would cost 40,000 bytes, filled or inflated, of which 40 are read.
+TEST_F(DamagedHdf5, ChunksFarLargerThanTheArrayAreRefused) {
+  std::string bytes = bytes_;
+  put(bytes, chunk_layout() + 3 + 8 + 4, 5000, 4);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("depth: holds 800000 bytes in chunks for 800"));
+  put(bytes, chunk_layout() + 3 + 8 + 4, 80, 4);  // sixteen times is as it may be: a set that grows later
+  EXPECT_THAT(fault_of(bytes), ::testing::Not(HasSubstr("in chunks for")));
+}
+
 TEST_F(DamagedHdf5, FiltersMakeNoMoreOfWhatLiesInTheHeader) {
   // The array that was in compressed chunks is now in the header, where ten bytes are ten bytes.
   std::string bytes = bytes_;

@@ -138,8 +138,25 @@ void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
     fault(fmt::format("is stored in chunks of {} bytes, expected at most {}", bytes, limits::kChunkBytes));
   }
   chunk_bytes_ = static_cast<std::size_t>(bytes);
+  check_chunks_fit();
   chunks_ = Hdf5Chunks(*file_, tree, shape_, chunk_);
   stored_bytes_ = chunks_.stored_bytes();
+}
+
+/// Chunks may reach beyond the array, but what is read in vain must not be many times the array.
+void Hdf5Dataset::check_chunks_fit() const {
+  constexpr std::uint64_t kMostTimes = 16;
+  std::uint64_t in_chunks = number_.bytes;
+  for (std::size_t d = 0; d < shape_.size(); ++d) {
+    const std::uint64_t count = shape_[d] / chunk_[d] + (shape_[d] % chunk_[d] == 0 ? 0 : 1);
+    in_chunks = saturated_product(in_chunks, saturated_product(count, chunk_[d]));
+  }
+  const std::uint64_t bytes = saturated_product(value_count(shape_), number_.bytes);
+  const std::uint64_t most = saturated_product(std::max<std::uint64_t>(bytes, chunk_bytes_), kMostTimes);
+  if (in_chunks > most) {
+    fault(fmt::format("holds {} bytes in chunks for {}, expected at most {} times as many", in_chunks, bytes,
+                      kMostTimes));
+  }
 }
 
 /// File Format Specification, IV.A.2.l.
@@ -249,10 +266,13 @@ void Hdf5Dataset::read_piece(std::uint64_t first, std::span<std::uint8_t> to) co
 }
 
 void Hdf5Dataset::read_chunks(std::uint64_t first, std::uint64_t count, std::span<std::uint8_t> to) const {
+  fill(to);  // what was never written
   std::vector<std::uint64_t> place(shape_.size(), 0);
   place[0] = first / chunk_[0] * chunk_[0];
   do {
-    copy_lines(shape_, chunk_, number_.bytes, place, chunk(place), first, count, to.data());
+    const Hdf5Chunk* const written = chunks_.find(place);
+    if (written == nullptr) continue;
+    copy_lines(shape_, chunk_, number_.bytes, place, chunk(*written), first, count, to.data());
   } while (advance(shape_, chunk_, first, first + count, place));
 }
 
@@ -261,22 +281,17 @@ void Hdf5Dataset::fill(std::span<std::uint8_t> to) const {
     std::ranges::fill(to, std::uint8_t{0});
     return;
   }
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] = fill_value_[i % fill_value_.size()];
+  const std::size_t one = fill_value_.size();
+  for (std::size_t i = 0; i < to.size(); i += one) std::memcpy(to.data() + i, fill_value_.data(), one);
 }
 
-Hdf5Dataset::Bytes Hdf5Dataset::chunk(const std::vector<std::uint64_t>& place) const {
-  const Hdf5Chunk* const found = chunks_.find(place);
-  if (found == nullptr) {
-    Bytes values(chunk_bytes_);
-    fill(values);
-    return values;
-  }
+Hdf5Dataset::Bytes Hdf5Dataset::chunk(const Hdf5Chunk& stored) const {
   constexpr std::size_t kSlack = 4096;
-  if (found->bytes > chunk_bytes_ + chunk_bytes_ / 8 + kSlack) {
+  if (stored.bytes > chunk_bytes_ + chunk_bytes_ / 8 + kSlack) {
     fault("a chunk is larger than it may be; the file is damaged");
   }
-  Bytes chunk = file_->read(found->address, found->bytes);
-  const auto is_applied = [&](int filter) { return filter >= 0 && (found->left_out >> filter & 1U) == 0; };
+  Bytes chunk = file_->read(stored.address, stored.bytes);
+  const auto is_applied = [&](int filter) { return filter >= 0 && (stored.left_out >> filter & 1U) == 0; };
   if (is_applied(deflate_)) {
     if (chunk_bytes_ / kMostInflation > chunk.size()) {
       fault("a chunk is smaller than it may be; the file is damaged");

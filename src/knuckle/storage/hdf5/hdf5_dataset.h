@@ -35,12 +35,13 @@ class Hdf5Dataset {
   [[noreturn]] void fault(std::string_view message) const;
   void read_layout(const std::vector<Hdf5Message>& messages);
   void read_chunk_shape(Hdf5Cursor& cursor);
+  void check_chunks_fit() const;
   void read_filters(const std::vector<Hdf5Message>& messages);
   void read_fill_value(const std::vector<Hdf5Message>& messages);
   void read_stored(std::uint64_t first, std::uint64_t count, std::span<std::uint8_t> to) const;
   void read_piece(std::uint64_t first, std::span<std::uint8_t> to) const;
   void read_chunks(std::uint64_t first, std::uint64_t count, std::span<std::uint8_t> to) const;
-  Bytes chunk(const std::vector<std::uint64_t>& place) const;
+  Bytes chunk(const Hdf5Chunk& stored) const;
   void fill(std::span<std::uint8_t> to) const;
 
   const Hdf5Bytes* file_;
