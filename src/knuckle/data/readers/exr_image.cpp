@@ -13,6 +13,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
+#include "knuckle/data/readers/exr_header.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -52,6 +53,7 @@ void require_room(const std::string& name, std::int64_t pixels) {
 
 Image<float> read_channel(const std::string& name) {
   require_regular_file(name);
+  check_exr_header(name);
   // Before the library takes memory for a row of blocks by what a header says.
   [[maybe_unused]] static const bool is_limited = limit_image_size();
   Imf::InputFile file(name.c_str(), 1);

@@ -92,6 +92,68 @@ TEST(ExrImage, RefusesAFileCutShortAnywhere) {
   }
 }
 
+/// Four bytes each, the lowest first.
+std::string numbers(const std::vector<std::uint32_t>& values) {
+  std::string bytes;
+  for (const std::uint32_t value : values) {
+    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xffU));
+  }
+  return bytes;
+}
+
+/// An attribute of an EXR header, which may say another size than it has.
+std::string attribute(const std::string& name, const std::string& type, const std::string& value,
+                      std::optional<std::uint32_t> size = std::nullopt) {
+  const std::string end(1, '\0');
+  return name + end + type + end + numbers({size.value_or(static_cast<std::uint32_t>(value.size()))}) + value;
+}
+
+class ExrHeader : public ::testing::Test {
+ protected:
+  /// What reading says of a file with these attributes and 1,000 bytes behind them.
+  std::string fault_of(const std::string& attributes, std::uint32_t flags = 2) {
+    const std::string window = attribute("dataWindow", "box2i", numbers({0, 0, 16383, 16383}));
+    put_file(path_, numbers({20000630, flags}) + attributes + window + std::string(1001, '\0'));
+    return error_of([&] { read_exr(path_); });
+  }
+
+  testing::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "a.exr";
+};
+
+TEST_F(ExrHeader, AsksForNoMoreThanTheFileHolds) {
+  EXPECT_THAT(fault_of(attribute("owner", "mine", "x", 0x61640300)),
+              HasSubstr("a.exr: cannot be read as an EXR image: 'owner' is longer than the file"));
+  EXPECT_THAT(fault_of(attribute("preview", "preview", numbers({0x8000, 0x8000, 0}))),
+              HasSubstr("its thumbnail"));
+  EXPECT_THAT(fault_of(attribute("views", "stringvector", numbers({2000000000, 0}))),
+              HasSubstr("a text is longer than what it stands in"));
+  EXPECT_THAT(fault_of(attribute("ids", "idmanifest", numbers({1, 2}))), HasSubstr("ID manifest"));
+  EXPECT_THAT(fault_of(attribute(std::string(300, 'n'), "mine", "")),
+              HasSubstr("a name in its header is too long"));
+}
+
+TEST_F(ExrHeader, HasNoMoreTilesThanTheFile) {
+  const std::string in_tiles = std::string(1, '\0');  // one level
+  EXPECT_THAT(fault_of(attribute("tiles", "tiledesc", numbers({1, 1}) + in_tiles), 0x202),
+              HasSubstr("it has more tiles than the file can hold"));
+  // Its row of tiles would take 4 GiB a channel, of an image of 64 KiB.
+  const std::string flat = attribute("dataWindow", "box2i", numbers({0, 0, 16383, 0}));
+  put_file(path_, numbers({20000630, 0x202}) +
+                      attribute("tiles", "tiledesc", numbers({16384, 65536}) + in_tiles) + flat +
+                      std::string(1001, '\0'));
+  EXPECT_THAT(error_of([&] { read_exr(path_); }), HasSubstr("its tiles are far larger than the image"));
+}
+
+TEST_F(ExrHeader, IsLookedThroughInEveryPart) {
+  const std::string first = attribute("name", "string", "a") + std::string(1, '\0');
+  EXPECT_THAT(fault_of(first + attribute("owner", "mine", "x", 0x61640300), 0x1002),
+              HasSubstr("'owner' is longer"));
+  // What follows the only header of a file with one part is no header.
+  EXPECT_THAT(fault_of(first + attribute("owner", "mine", "x", 0x61640300)),
+              AllOf(HasSubstr("a.exr"), ::testing::Not(HasSubstr("'owner'"))));
+}
+
 TEST(CsvImage, ReadsWhatItWrote) {
   const testing::TemporaryFolder folder;
   const Image<float> image = ramp(13, 7);
