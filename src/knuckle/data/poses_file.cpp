@@ -14,7 +14,7 @@
 namespace knuckle {
 namespace {
 
-constexpr std::string_view kConventionKey = "convention:";
+constexpr std::string_view kConventionKey = "convention";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it before UTF-8
 
 /// Offset of a file's coordinates against the library's.
@@ -30,28 +30,38 @@ bool is_comment(std::string_view line) {
   return line.starts_with('#');
 }
 
-/// The convention that a comment names; nothing where it says something else.
-std::optional<Convention> convention_in(std::string_view comment, std::string_view where) {
-  std::string_view text = trimmed(comment.substr(1));
-  if (!text.starts_with(kConventionKey)) return std::nullopt;
-  text.remove_prefix(kConventionKey.size());
-  try {
-    return convention_from_name(trimmed(text));
-  } catch (const Error& error) {
-    fail("{}: {}", where, error.what());
-  }
-}
+/// What the comments above the poses say of them.
+struct PosesHead {
+  std::optional<Convention> convention;
+  PoseCoordinates coordinates;
 
-HandPose pose_from_line(std::string_view line, const Convention& convention, double offset,
-                        std::string_view where) {
-  const std::vector<double> values = parse_annotation(line, 3 * convention.landmarks.size(), where);
-  HandPose pose = HandPose::missing(convention);
-  for (std::size_t j = 0; j < pose.joints.size(); ++j) {
-    const ImagePoint joint{values[3 * j] - offset, values[3 * j + 1] - offset, values[3 * j + 2]};
-    if (!joint.is_missing()) pose.joints[j] = joint;
+  /// Takes note of a comment. False where it says nothing of the poses.
+  bool take(std::string_view comment, std::string_view where) {
+    const std::string_view text = comment.substr(1);
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) return false;
+    try {
+      return set(trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1)));
+    } catch (const Error& error) {
+      fail("{}: {}", where, error.what());
+    }
   }
-  return pose;
-}
+
+  bool set(std::string_view key, std::string_view value) {
+    if (key == kConventionKey) {
+      convention = convention_from_name(value);
+    } else if (key == "format") {
+      coordinates.kind = coordinate_kind_from_text(value);
+    } else if (key == "axes") {
+      coordinates.axes = axes_from_text(value);
+    } else if (key == "unit") {
+      coordinates.unit_mm = unit_from_text(value);
+    } else {
+      return false;
+    }
+    return true;
+  }
+};
 
 void append_joint(fmt::memory_buffer& text, const ImagePoint& joint, double offset) {
   if (joint.is_missing()) {
@@ -64,35 +74,71 @@ void append_joint(fmt::memory_buffer& text, const ImagePoint& joint, double offs
 
 }  // namespace
 
-PoseSequence read_poses_file(const std::filesystem::path& path, const std::optional<Convention>& convention,
-                             PixelOrigin origin) {
+PoseNumbers read_pose_numbers(const std::filesystem::path& path, const std::optional<Convention>& convention,
+                              const PoseCoordinates& coordinates) {
   std::vector<std::string> lines = read_lines(path);
   while (!lines.empty() && trimmed(lines.back()).empty()) lines.pop_back();
   if (!lines.empty() && lines.front().starts_with(kByteOrderMark))
     lines.front().erase(0, kByteOrderMark.size());
 
-  std::optional<Convention> named = convention;
-  PoseSequence sequence{path.string(), {}, {}};
-  sequence.poses.reserve(lines.size());
+  PosesHead head{convention, coordinates};
+  PoseNumbers numbers{path.string(), {}, {}, {}};
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string where = place(path, i);
     if (is_comment(lines[i])) {
-      const std::optional<Convention> found = convention_in(lines[i], where);
-      if (found && !sequence.poses.empty())
-        fail("{}: the convention must stand before the first pose", where);
-      if (found) named = found;
+      if (head.take(lines[i], where) && !numbers.values.empty())
+        fail("{}: what the poses are must stand before the first one", where);
       continue;
     }
-    if (!named) fail("{}: expected '# convention: NAME', or the convention as an option", place(path, 0));
-    sequence.poses.push_back(pose_from_line(lines[i], *named, origin_offset(origin), where));
+    if (!head.convention)
+      fail("{}: expected '# convention: NAME', or the convention as an option", place(path, 0));
+    const std::vector<double> values =
+        parse_annotation(lines[i], 3 * head.convention->landmarks.size(), where);
+    numbers.values.insert(numbers.values.end(), values.begin(), values.end());
   }
-  if (sequence.poses.empty()) fail("{}: expected a pose a line, found none", path.string());
-  sequence.convention = *named;
+  if (numbers.values.empty()) fail("{}: expected a pose a line, found none", path.string());
+  numbers.convention = *head.convention;
+  numbers.coordinates = head.coordinates;
+  if (numbers.coordinates.kind == PoseCoordinates::Kind::uvd &&
+      numbers.coordinates.axes != Eigen::Matrix3d::Identity())
+    fail("{}: axes are told of x y z, but its format is u v d", path.string());
+  return numbers;
+}
+
+PoseSequence poses_from(const PoseNumbers& numbers, std::span<const Projection> projections,
+                        PixelOrigin origin) {
+  const auto frames = static_cast<std::size_t>(numbers.frames());
+  const bool is_seen = numbers.coordinates.kind == PoseCoordinates::Kind::uvd;
+  if (!is_seen && projections.empty())
+    fail("{}: holds x y z, which need a camera; expected u v d", numbers.origin);
+  if (!is_seen && projections.size() != 1 && projections.size() != frames)
+    fail("{}: {} frames predicted, but there are {}", numbers.origin, frames, projections.size());
+  const double offset = is_seen ? origin_offset(origin) : 0.0;
+  PoseSequence sequence{numbers.origin, numbers.convention, {}};
+  sequence.poses.reserve(frames);
+  const double* next = numbers.values.data();
+  for (std::size_t i = 0; i < frames; ++i) {
+    const Projection* const projection =
+        projections.empty() ? nullptr : &projections[projections.size() == 1 ? 0 : i];
+    HandPose pose = HandPose::missing(numbers.convention);
+    for (ImagePoint& joint : pose.joints) {
+      const ImagePoint point =
+          image_point(Eigen::Map<const Eigen::Vector3d>(next), numbers.coordinates, projection);
+      if (!point.is_missing()) joint = {point.u - offset, point.v - offset, point.depth_mm};
+      next += 3;
+    }
+    sequence.poses.push_back(std::move(pose));
+  }
   return sequence;
 }
 
+PoseSequence read_poses_file(const std::filesystem::path& path, const std::optional<Convention>& convention,
+                             PixelOrigin origin) {
+  return poses_from(read_pose_numbers(path, convention), {}, origin);
+}
+
 std::string poses_head(const Convention& convention) {
-  return fmt::format("# {} {}\n", kConventionKey, convention.name);
+  return fmt::format("# {}: {}\n", kConventionKey, convention.name);
 }
 
 std::string pose_line(const HandPose& pose, PixelOrigin origin) {

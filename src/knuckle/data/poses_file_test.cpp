@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
@@ -142,6 +144,54 @@ TEST_F(PosesFile, RefusesToWriteAPoseOfAnotherConvention) {
   EXPECT_THAT(error_of([&] { write_poses_file(path_, nyu(), poses); }),
               AllOf(HasSubstr(path_.string()), HasSubstr("nyu14"), HasSubstr("icg20")));
   EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+/// A line of x y z [m] in OpenGL's axes of 14 joints 0.5 m away, the k-th k cm to the right and 1 cm up.
+std::string line_in_metres() {
+  std::string line;
+  for (int k = 0; k < 14; ++k) line += fmt::format("{:.2f} 0.01 -0.5 ", 0.01 * k);
+  return line + "\n";
+}
+
+TEST_F(PosesFile, SaysItselfThatItHoldsPointsInSpace) {
+  file("# convention: nyu14\n# format: xyz\n# axes: x,-y,-z\n# unit: m\n" + line_in_metres() +
+       line_in_metres());
+  const PoseNumbers numbers = read_pose_numbers(path_);
+  EXPECT_EQ(numbers.frames(), 2);
+  const Projection projection({.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240});
+  const PoseSequence poses = poses_from(numbers, std::span(&projection, 1), PixelOrigin::corner);
+  ASSERT_EQ(poses.poses.size(), 2u);
+  for (int k = 0; k < 14; ++k) {  // wherever pixels are counted from: a point in space lies where it lies
+    EXPECT_NEAR(poses.poses[1].joints[k].u, 320.0 + 10.0 * k, 1e-6);
+    EXPECT_NEAR(poses.poses[1].joints[k].v, 230.0, 1e-6);
+    EXPECT_NEAR(poses.poses[1].joints[k].depth_mm, 500.0, 1e-6);
+  }
+  EXPECT_THAT(error_of([&] { read_poses_file(path_); }), HasSubstr("holds x y z, which need a camera"));
+  const std::vector<Projection> three(3, projection);
+  EXPECT_THAT(error_of([&] { poses_from(numbers, three); }),
+              HasSubstr("2 frames predicted, but there are 3"));
+}
+
+TEST_F(PosesFile, WhatItSaysItselfCountsMoreThanAnOption) {
+  file("# format: uvd\n" + line_of(42) + "\n");
+  const PoseCoordinates xyz{PoseCoordinates::Kind::xyz};
+  EXPECT_EQ(read_pose_numbers(path_, nyu(), xyz).coordinates.kind, PoseCoordinates::Kind::uvd);
+  file(line_of(42) + "\n");
+  EXPECT_EQ(read_pose_numbers(path_, nyu(), xyz).coordinates.kind, PoseCoordinates::Kind::xyz);
+}
+
+TEST_F(PosesFile, FaultsInItsHeadAreNamed) {
+  for (const auto& [head, fault] : std::vector<std::pair<std::string, std::string>>{
+           {"# format: xy", "poses.txt:1: unknown format of poses 'xy'"},
+           {"# axes: x,y", "poses.txt:1: axes 'x,y'"},
+           {"#\n# unit: inch", "poses.txt:2: unknown unit 'inch'"},
+           {"# axes: x,-y,-z", "axes are told of x y z, but its format is u v d"}}) {
+    file(head + "\n" + line_of(42) + "\n");
+    EXPECT_THAT(error_of([&] { read_pose_numbers(path_, nyu()); }), HasSubstr(fault));
+  }
+  file(line_of(42) + "\n# unit: m\n" + line_of(42) + "\n");
+  EXPECT_THAT(error_of([&] { read_pose_numbers(path_, nyu()); }),
+              HasSubstr("must stand before the first one"));
 }
 
 }  // namespace
