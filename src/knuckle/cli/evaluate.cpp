@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/boxes_file.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/evaluation.h"
@@ -27,6 +30,10 @@ struct EvaluateArguments {
   std::filesystem::path json;
   std::filesystem::path landmarks;
   std::filesystem::path strip;
+  std::string format = "uvd";
+  std::string axes = "x,y,z";
+  std::string unit = "mm";
+  bool common = false;
   GalleryOptions gallery;
 
   void visit(OptionVisitor& visitor) {
@@ -37,6 +44,10 @@ struct EvaluateArguments {
     visitor.text("camera", camera);
     std::string definition = landmarks.string();
     visitor.text("landmarks", definition);
+    visitor.text("format", format);
+    visitor.text("axes", axes);
+    visitor.text("unit", unit);
+    visitor.flag("common", common);
   }
 };
 
@@ -61,20 +72,56 @@ OpenedTruth read_truth_file(const EvaluateArguments& arguments) {
           PixelOrigin::centre};
 }
 
-std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, PixelOrigin origin) {
-  std::vector<NamedPath> files;
-  for (const std::string& text : arguments.predictions) files.push_back(named_path_from_text(text));
-  return predictions_from_files(files, chosen_convention(arguments), origin);
+PoseCoordinates chosen_coordinates(const EvaluateArguments& arguments) {
+  const PoseCoordinates chosen{coordinate_kind_from_text(arguments.format), axes_from_text(arguments.axes),
+                               unit_from_text(arguments.unit)};
+  if (chosen.kind == PoseCoordinates::Kind::uvd && chosen.axes != PoseCoordinates().axes)
+    fail("--axes: tells of x y z; give --format xyz too");
+  return chosen;
 }
 
-void print_scores(const Evaluation& evaluation) {
+std::vector<NamedPath> prediction_files(const EvaluateArguments& arguments) {
+  std::vector<NamedPath> files;
+  for (const std::string& text : arguments.predictions) files.push_back(named_path_from_text(text));
+  return files;
+}
+
+std::vector<Predictions> read_predictions(const EvaluateArguments& arguments, const Truth& truth,
+                                          PixelOrigin origin) {
+  std::vector<std::string> remarks;
+  std::vector<Predictions> predictions =
+      predictions_from_files(prediction_files(arguments), truth,
+                             {chosen_convention(arguments), chosen_coordinates(arguments), origin}, remarks);
+  for (const std::string& remark : remarks) fmt::print(stderr, "warning: {}\n", printable(remark));
+  return predictions;
+}
+
+void print_scores(const std::vector<MethodScore>& methods) {
   fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9} {:>9}\n", "method", "frames", "missing", "mean mm",
              "median mm", "mean px", "AUC 0-50");
-  for (const MethodScore& method : evaluation.methods) {
+  for (const MethodScore& method : methods) {
     fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", method.name, method.frames,
                method.missing, method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px,
                method.auc_pck_0_50);
   }
+}
+
+void print_differences(const Evaluation& evaluation) {
+  for (const MethodDifference& found : evaluation.differences) {
+    if (!std::isfinite(found.mean_mm)) continue;
+    fmt::print("{} less {}: {:+.3f} mm ({:+.3f} to {:+.3f}, p {:.3f}, {} frames)\n",
+               evaluation.methods[found.first].name, evaluation.methods[found.second].name, found.mean_mm,
+               found.low_mm, found.high_mm, found.p_value, found.frames);
+  }
+}
+
+void print_scores(const Evaluation& evaluation) {
+  print_scores(evaluation.methods);
+  if (!evaluation.in_common.empty()) {
+    fmt::print("\nIn the {} landmarks that all share:\n", evaluation.in_common.front().joints.size());
+    print_scores(evaluation.in_common);
+  }
+  print_differences(evaluation);
 }
 
 /// Boxes count pixels, whose numbers do not depend on where a source's coordinates start.
@@ -119,7 +166,10 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
     fail("{}: the source has no truth to score against; --out and --strip alone make pictures",
          arguments.truth);
   }
-  const std::vector<Predictions> predictions = read_predictions(arguments, source.pixel_origin());
+  if (chosen_coordinates(arguments).kind != PoseCoordinates::Kind::uvd)
+    fail("--format: without truth poses are looked at in the image, in u v d");
+  const std::vector<Predictions> predictions = predictions_from_files(
+      prediction_files(arguments), chosen_convention(arguments), source.pixel_origin());
   for (const Predictions& method : predictions) {
     if (static_cast<std::int64_t>(method.sequence.poses.size()) != source.size()) {
       fail("{}: holds {} poses, the source {} has {} frames", method.sequence.origin,
@@ -137,12 +187,12 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
 }
 
 void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
-  std::vector<Predictions> predictions = read_predictions(arguments, opened.pixel_origin);
+  std::vector<Predictions> predictions = read_predictions(arguments, opened.truth, opened.pixel_origin);
   if (!arguments.landmarks.empty())
     move_landmarks(LandmarkDefinition::load(arguments.landmarks), opened.truth, predictions);
   Report report;
   if (!predictions.empty()) {
-    report.evaluation = evaluate(opened.truth, predictions);
+    report.evaluation = evaluate(opened.truth, predictions, arguments.common);
     print_scores(*report.evaluation);
   }
   report.segmentation = score_box_files(arguments, opened.truth);
@@ -199,6 +249,20 @@ void add_evaluate(CLI::App& program) {
       "All predictions are moved to the landmarks of this definition before they are scored");
   verb.add_option("--camera", arguments->camera, "Camera of a truth file [px]; a negative fy: y points up")
       ->type_name("FX,FY,CX,CY");
+  verb.add_option("--format", arguments->format,
+                  "Numbers of a joint in predictions: uvd, or xyz in camera coordinates")
+      ->type_name("FORMAT")
+      ->capture_default_str();
+  verb.add_option(
+          "--axes", arguments->axes,
+          "Where x y z point, told in x (right), y (down) and z (forward): x,-y,-z as OpenGL has them")
+      ->type_name("AXES")
+      ->capture_default_str();
+  verb.add_option("--unit", arguments->unit, "Unit of x y z, or of d: mm, cm or m")
+      ->type_name("UNIT")
+      ->capture_default_str();
+  verb.add_flag("--common", arguments->common,
+                "Also score the methods in the landmarks that all of them share");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");
   verb.add_option("--json", arguments->json, "The scores as JSON")->type_name("FILE");
   verb.add_option("--strip", arguments->strip,

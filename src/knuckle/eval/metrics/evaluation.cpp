@@ -9,6 +9,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/defined_pose.h"
+#include "knuckle/eval/metrics/coordinate_check.h"
 
 namespace knuckle {
 namespace {
@@ -30,6 +31,28 @@ void merge_equal_projections(std::vector<Projection>& projections) {
     projections.erase(projections.begin() + 1, projections.end());
 }
 
+/// The truth's landmarks that every method predicts.
+std::vector<Landmark> common_landmarks(const Truth& truth, const std::vector<Predictions>& methods) {
+  std::vector<Landmark> common;
+  for (const Landmark landmark : truth.sequence.convention.landmarks) {
+    const auto holds = [&](const Predictions& method) {
+      return method.sequence.convention.index_of(landmark) >= 0;
+    };
+    if (std::ranges::all_of(methods, holds)) common.push_back(landmark);
+  }
+  if (common.empty()) fail("--common: no landmark is in the truth and in all predictions");
+  return common;
+}
+
+std::vector<MethodScore> scored_in_common(const Truth& truth, const std::vector<Predictions>& methods) {
+  const std::vector<Landmark> common = common_landmarks(truth, methods);
+  std::vector<MethodScore> scores(methods.size());
+  parallel_for(static_cast<std::int64_t>(methods.size()), [&](std::int64_t i) {
+    scores[static_cast<std::size_t>(i)] = score(joint_errors(truth, methods[i], common), methods[i].name);
+  });
+  return scores;
+}
+
 int size_around(double principal_point) {
   constexpr double kLargestSize = 1e6;  // [px]
   return static_cast<int>(std::clamp(std::ceil(2.0 * principal_point), 1.0, kLargestSize));
@@ -37,7 +60,14 @@ int size_around(double principal_point) {
 
 }  // namespace
 
-Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods) {
+bool compare_the_same(const std::vector<MethodScore>& methods) {
+  return std::ranges::all_of(methods, [&](const MethodScore& method) {
+    return std::ranges::equal(method.joints, methods.front().joints, {}, &JointScore::landmark,
+                              &JointScore::landmark);
+  });
+}
+
+Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods, bool wants_common) {
   check_names(methods);
   Evaluation evaluation{truth.sequence.origin, truth.sequence.convention, {}};
   evaluation.methods.resize(methods.size());
@@ -46,6 +76,12 @@ Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods)
     scored = score(joint_errors(truth, methods[i]), methods[i].name);
     scored.motion = motion_score(truth, methods[i]);
   });
+  if (compare_the_same(evaluation.methods)) {
+    evaluation.differences = differences(evaluation.methods);
+  } else if (wants_common) {
+    evaluation.in_common = scored_in_common(truth, methods);
+    evaluation.differences = differences(evaluation.in_common);
+  }
   return evaluation;
 }
 
@@ -109,6 +145,26 @@ NamedPath named_path_from_text(std::string_view text) {
     fail("predictions '{}': expected NAME=PATH", text);
   }
   return {std::string(text.substr(0, end)), std::filesystem::path(text.substr(end + 1))};
+}
+
+std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files, const Truth& truth,
+                                                const PredictionFormat& format,
+                                                std::vector<std::string>& remarks) {
+  std::vector<Predictions> methods(files.size());
+  std::vector<std::optional<LikelyCoordinates>> likely(files.size());
+  parallel_for(static_cast<std::int64_t>(files.size()), [&](std::int64_t i) {
+    const PoseNumbers numbers = read_pose_numbers(files[i].path, format.convention, format.coordinates);
+    methods[i] = {files[i].name, poses_from(numbers, truth.projections, format.origin)};
+    likely[i] = likely_coordinates(truth, numbers, format.origin);
+  });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (!likely[i]) continue;
+    remarks.push_back(fmt::format(
+        "{}: read so, half of its joints are more than {:.0f} mm off; with {} more than {:.1f} mm",
+        files[i].path.string(), likely[i]->median_as_read_mm, as_options(likely[i]->coordinates),
+        likely[i]->median_mm));
+  }
+  return methods;
 }
 
 std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files,

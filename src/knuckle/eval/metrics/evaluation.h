@@ -10,6 +10,7 @@
 
 #include "knuckle/data/frame_source.h"
 #include "knuckle/eval/metrics/metrics.h"
+#include "knuckle/eval/metrics/significance.h"
 #include "knuckle/hand/landmark_definition.h"
 
 namespace knuckle {
@@ -19,11 +20,21 @@ struct Evaluation {
   std::string truth;      ///< where the truth comes from
   Convention convention;  ///< of the truth
   std::vector<MethodScore> methods;
+  /// The same methods in the landmarks that all of them and the truth share, without motion; empty where all
+  /// were compared in these anyway, or nobody asked.
+  std::vector<MethodScore> in_common = {};
+  /// Between methods that were compared in the same landmarks: `in_common` where there is one, else
+  /// `methods`.
+  std::vector<MethodDifference> differences = {};
 };
 
-/// Scores every method against the truth, on all threads. Throws an Error where predictions do not fit the
-/// truth (joint_errors says when), two methods have one name, or there is no method.
-Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods);
+/// Whether all methods were compared in the same landmarks: only then can one be called the best.
+bool compare_the_same(const std::vector<MethodScore>& methods);
+
+/// Scores every method against the truth, on all threads; with `wants_common` also in the landmarks that all
+/// share. Throws an Error where predictions do not fit the truth (joint_errors says when), two methods have
+/// one name, there is no method, or all were to be compared in common and share no landmark.
+Evaluation evaluate(const Truth& truth, const std::vector<Predictions>& methods, bool wants_common = false);
 
 /// The camera of the option `--camera fx,fy,cx,cy` [px]; a negative fy is a y axis that points up. Its size
 /// is not known and set to twice the principal point: enough to convert poses. Throws an Error that quotes a
@@ -53,7 +64,19 @@ struct NamedPath {
 /// Throws an Error that quotes a text without name or path.
 NamedPath named_path_from_text(std::string_view text);
 
-/// Reads the files of all methods, on all threads.
+/// What the files of predictions are, where they do not say it themselves.
+struct PredictionFormat {
+  std::optional<Convention> convention = std::nullopt;
+  PoseCoordinates coordinates = {};
+  PixelOrigin origin = PixelOrigin::centre;  ///< that u and v count from
+};
+
+/// Reads the files of all methods, on all threads. `truth` gives the cameras that x y z need. Where numbers
+/// look like another format (`likely_coordinates`), a line that says so is added to `remarks`.
+std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files, const Truth& truth,
+                                                const PredictionFormat& format,
+                                                std::vector<std::string>& remarks);
+/// The same of files in u v d, of which no truth is known.
 std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files,
                                                 const std::optional<Convention>& convention,
                                                 PixelOrigin origin = PixelOrigin::centre);

@@ -7,8 +7,11 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/truth.h"
 #include "knuckle/eval/metrics/eval_fixtures.h"
 #include "knuckle/eval/metrics/score_files.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {
@@ -135,6 +138,95 @@ TEST(Evaluate, FilesWithFewerLinesAreNamed) {
   EXPECT_THAT(
       error_of([&] { evaluate(read, predictions_from_files(files, std::nullopt)); }),
       AllOf(HasSubstr("short.txt"), HasSubstr("3 frames"), HasSubstr("truth.txt"), HasSubstr("has 5")));
+}
+
+/// The poses in another convention, whose own landmarks are not known.
+Predictions in_convention(Predictions predictions, const char* name) {
+  predictions.sequence.convention = convention_from_name(name);
+  for (HandPose& pose : predictions.sequence.poses) pose = converted(pose, predictions.sequence.convention);
+  return predictions;
+}
+
+TEST(EvaluateInCommon, ComparesWhatAllShare) {
+  const Truth truth = example_truth(12);
+  Predictions whole = example_predictions(truth, "whole", 2.0);
+  const Predictions part = in_convention(example_predictions(truth, "part", 3.0), "nyu14");  // tips and palm
+  const Convention& convention = truth.sequence.convention;
+  for (HandPose& pose : whole.sequence.poses)
+    pose.joints[convention.index_of(Landmark::ring_pip)].depth_mm += 500;
+  const Evaluation evaluation = evaluate(truth, {whole, part}, true);
+  EXPECT_FALSE(compare_the_same(evaluation.methods));
+  ASSERT_EQ(evaluation.in_common.size(), 2u);
+  EXPECT_TRUE(compare_the_same(evaluation.in_common));
+  EXPECT_EQ(evaluation.in_common[0].joints.size(), 6u);
+  EXPECT_GT(evaluation.methods[0].mean_3d_mm, 20.0);
+  EXPECT_LT(evaluation.in_common[0].mean_3d_mm, 3.0);  // the joint that is far off is none of the six
+  EXPECT_NEAR(evaluation.in_common[1].mean_3d_mm, evaluation.methods[1].mean_3d_mm, 1e-12);
+  ASSERT_EQ(evaluation.differences.size(), 1u);
+  EXPECT_NEAR(evaluation.differences[0].mean_mm,
+              evaluation.in_common[0].mean_3d_mm - evaluation.in_common[1].mean_3d_mm, 1e-9);
+  const nlohmann::json json = nlohmann::json::parse(to_json(evaluation));
+  EXPECT_EQ(json["in_common"][1]["joints"].size(), 6u);
+  EXPECT_EQ(json["differences"][0]["first"], "whole");
+  EXPECT_EQ(json["differences"][0]["second"], "part");
+}
+
+TEST(EvaluateInCommon, AJointThatOnlyOneMissesDoesNotLoseTheFrame) {
+  const Truth truth = example_truth(4);
+  Predictions whole = example_predictions(truth, "whole", 1.0);
+  whole.sequence.poses[2].joints[truth.sequence.convention.index_of(Landmark::ring_pip)] = {};
+  const Predictions part = in_convention(example_predictions(truth, "part", 1.0), "nyu14");
+  const Evaluation evaluation = evaluate(truth, {whole, part}, true);
+  EXPECT_EQ(evaluation.methods[0].missing, 1);
+  EXPECT_EQ(evaluation.in_common[0].missing, 0);
+}
+
+TEST(EvaluateInCommon, IsNotAskedForWhereAllShareAll) {
+  const Truth truth = example_truth(6);
+  const std::vector<Predictions> methods = {example_predictions(truth, "a", 1.0),
+                                            example_predictions(truth, "b", 9.0)};
+  const Evaluation evaluation = evaluate(truth, methods, true);
+  EXPECT_TRUE(evaluation.in_common.empty());
+  ASSERT_EQ(evaluation.differences.size(), 1u);
+  EXPECT_LT(evaluation.differences[0].high_mm, 0.0);
+  // Without the option methods in different landmarks have no difference that means something.
+  EXPECT_TRUE(evaluate(truth, {methods[0], in_convention(methods[1], "nyu14")}).differences.empty());
+}
+
+TEST(EvaluateInCommon, NothingInCommonIsAnError) {
+  const Truth truth = example_truth(3);
+  Predictions icvl = example_predictions(truth, "a", 1.0);
+  icvl.sequence.convention = convention_from_name("icvl16");  // shares the palm alone
+  for (HandPose& pose : icvl.sequence.poses) pose = converted(pose, icvl.sequence.convention);
+  Predictions msra = in_convention(example_predictions(truth, "b", 1.0), "msra21");  // has no palm
+  EXPECT_THAT(error_of([&] { evaluate(truth, {icvl, msra}, true); }), HasSubstr("--common: no landmark"));
+}
+
+TEST(PredictionFiles, InSpaceAreSeenByTheCameraOfTheTruth) {
+  const TemporaryFolder folder;
+  const Truth truth = example_truth(5);
+  std::string text = "# convention: icg20\n";
+  for (const HandPose& pose : truth.sequence.poses) {
+    for (const Point3& point : points_in_camera(pose, truth.projection(0)))
+      text += std::to_string(point.x()) + " " + std::to_string(-point.y()) + " " +
+              std::to_string(-point.z()) + " ";
+    text += "\n";
+  }
+  write_text_file(folder / "space.txt", text);
+  const std::vector<NamedPath> files = {{"mine", folder / "space.txt"}};
+  PredictionFormat format;
+  std::vector<std::string> remarks;
+  const double as_pixels =
+      evaluate(truth, predictions_from_files(files, truth, format, remarks)).methods[0].mean_3d_mm;
+  EXPECT_GT(as_pixels, 100.0);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_THAT(remarks[0],
+              AllOf(HasSubstr("space.txt: read so"), HasSubstr("with --format xyz --axes x,-y,-z more")));
+  format.coordinates = {PoseCoordinates::Kind::xyz, axes_from_text("x,-y,-z")};
+  remarks.clear();
+  EXPECT_LT(evaluate(truth, predictions_from_files(files, truth, format, remarks)).methods[0].mean_3d_mm,
+            1e-3);
+  EXPECT_TRUE(remarks.empty());
 }
 
 TEST(ScoreFiles, JsonHasTheAgreedKeys) {

@@ -19,11 +19,11 @@ struct JointPair {
   int in_predictions;
 };
 
-std::vector<JointPair> joint_pairs(const Convention& truth, const std::vector<int>& place_in_predictions) {
+std::vector<JointPair> joint_pairs(const Convention& truth, const Convention& predictions,
+                                   std::span<const Landmark> landmarks) {
   std::vector<JointPair> pairs;
-  for (int j = 0; j < truth.size(); ++j) {
-    if (place_in_predictions[j] >= 0) pairs.push_back({j, place_in_predictions[j]});
-  }
+  for (const Landmark landmark : landmarks)
+    pairs.push_back({truth.index_of(landmark), predictions.index_of(landmark)});
   return pairs;
 }
 
@@ -79,13 +79,15 @@ class FrameComparison {
 
 }  // namespace
 
-JointErrors joint_errors(const Truth& truth, const Predictions& predictions) {
+JointErrors joint_errors(const Truth& truth, const Predictions& predictions, std::span<const Landmark> only) {
   const Convention& convention = truth.sequence.convention;
   const ConventionMapping mapping = map_convention(predictions.sequence.convention, convention);
   check_comparable(truth, predictions, mapping);
-  const std::vector<JointPair> pairs = joint_pairs(convention, mapping.source_index);
+  std::vector<Landmark> compared(only.begin(), only.end());
+  if (only.empty()) compared = mapping.shared;
+  const std::vector<JointPair> pairs = joint_pairs(convention, predictions.sequence.convention, compared);
 
-  JointErrors errors{mapping.shared, mapping.missing, mapping.dropped, 0, {}, {}};
+  JointErrors errors{std::move(compared), mapping.missing, mapping.dropped, 0, {}, {}};
   errors.frames = static_cast<std::int64_t>(truth.sequence.poses.size());
   errors.distance_3d_mm.resize(truth.sequence.poses.size() * pairs.size());
   errors.distance_2d_px.resize(errors.distance_3d_mm.size());

@@ -58,8 +58,10 @@ struct JointErrors {
 };
 
 /// Compares frame by frame, landmark by landmark: in the image, and in camera coordinates through the frame's
-/// projection. Throws an Error that names the predictions' file where its number of frames differs from the
-/// truth's, or the conventions share no landmark, or the truth knows not one joint.
-JointErrors joint_errors(const Truth& truth, const Predictions& predictions);
+/// projection. `only`: these landmarks alone, which both conventions hold; none: all that both hold. Throws
+/// an Error that names the predictions' file where its number of frames differs from the truth's, or the
+/// conventions share no landmark, or the truth knows not one joint.
+JointErrors joint_errors(const Truth& truth, const Predictions& predictions,
+                         std::span<const Landmark> only = {});
 
 }  // namespace knuckle

@@ -48,6 +48,21 @@ ordered_json method_json(const MethodScore& method) {
           {"motion", motion_json(method.motion)}};
 }
 
+ordered_json difference_json(const MethodDifference& difference, const std::vector<MethodScore>& methods) {
+  return {{"first", methods[difference.first].name},
+          {"second", methods[difference.second].name},
+          {"frames", difference.frames},
+          {"mean_mm", difference.mean_mm},
+          {"interval_95_mm", {difference.low_mm, difference.high_mm}},
+          {"p_value", difference.p_value}};
+}
+
+ordered_json methods_json(const std::vector<MethodScore>& methods) {
+  ordered_json all = ordered_json::array();
+  for (const MethodScore& method : methods) all.push_back(method_json(method));
+  return all;
+}
+
 ordered_json segmentation_json(const SegmentationScore& score) {
   ordered_json above = ordered_json::object();
   for (const std::size_t percent : {50U, 75U}) {  // the curve has a value per hundredth
@@ -67,8 +82,10 @@ std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const
   ordered_json all = ordered_json::object();
   if (evaluation) {
     all["convention"] = evaluation->convention.name;
-    all["methods"] = ordered_json::array();
-    for (const MethodScore& method : evaluation->methods) all["methods"].push_back(method_json(method));
+    all["methods"] = methods_json(evaluation->methods);
+    if (!evaluation->in_common.empty()) all["in_common"] = methods_json(evaluation->in_common);
+    for (const MethodDifference& difference : evaluation->differences)
+      all["differences"].push_back(difference_json(difference, evaluation->methods));
   }
   for (const SegmentationScore& score : boxes) all["segmentation"].push_back(segmentation_json(score));
   // A name may hold bytes that are no UTF-8: replaced, not refused.

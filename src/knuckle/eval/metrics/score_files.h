@@ -10,7 +10,9 @@
 
 namespace knuckle {
 
-/// The scores as JSON, motion from frame to frame included; a number that is not known is null.
+/// The scores as JSON, motion from frame to frame included; a number that is not known is null. `in_common`:
+/// the methods in the landmarks that all share, where there are such scores. `differences`: pairs of methods
+/// (first, second, frames, mean_mm, interval_95_mm, p_value) that were compared in the same landmarks.
 std::string to_json(const Evaluation& evaluation);
 
 /// The same with what is known of segmentation, under `segmentation`: name, frames, missing, mean_iou,

@@ -47,7 +47,8 @@ std::vector<DrawnFigure> drawn(const std::vector<Figure>& figures, const std::fi
 std::string report_html(const Report& report, const ReportFigures& figures) {
   std::string html = head_section(report);
   if (report.evaluation) {
-    html += score_section(*report.evaluation) + motion_section(*report.evaluation) +
+    html += score_section(*report.evaluation) + common_section(*report.evaluation) +
+            difference_section(*report.evaluation) + motion_section(*report.evaluation) +
             landmark_section(*report.evaluation);
   }
   if (!report.segmentation.empty()) html += segmentation_section(report.segmentation, figures.segmentation);

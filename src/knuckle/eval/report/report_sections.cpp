@@ -73,10 +73,26 @@ NumberColumn column(std::string head, const std::vector<Score>& scores, Value va
   return result;
 }
 
-bool compare_the_same(const Evaluation& evaluation) {
-  return std::ranges::all_of(evaluation.methods, [&](const MethodScore& method) {
-    return compared(method) == compared(evaluation.methods.front());
-  });
+std::string score_table(const std::vector<MethodScore>& methods) {
+  const bool is_same = compare_the_same(methods);
+  const Better lower = is_same ? Better::lower : Better::neither;
+  const Better higher = is_same ? Better::higher : Better::neither;
+  std::vector<NumberColumn> columns = {
+      column("missing<br>frames", methods, &MethodScore::missing, 0, lower),
+      column("mean 3D<br>(mm)", methods, &MethodScore::mean_3d_mm, 2, lower),
+      column("median 3D<br>(mm)", methods, &MethodScore::median_3d_mm, 2, lower),
+      column("mean 2D<br>(px)", methods, &MethodScore::mean_2d_px, 2, lower),
+      column("median 2D<br>(px)", methods, &MethodScore::median_2d_px, 2, lower),
+  };
+  for (std::size_t i = 0; i < kTableThresholdsMm.size(); ++i) {
+    const auto percent = [i](const MethodScore& method) {
+      return 100.0 * method.frames_all_joints_within[i];
+    };
+    columns.push_back(column(fmt::format("all joints<br>&le; {} mm (%)", kTableThresholdsMm[i]), methods,
+                             percent, 1, higher));
+  }
+  columns.push_back(column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, higher));
+  return number_table("method", method_heads(methods), columns);
 }
 
 }  // namespace
@@ -143,33 +159,40 @@ std::string table_section(const ReportTable& shown) {
 }
 
 std::string score_section(const Evaluation& evaluation) {
-  const std::vector<MethodScore>& methods = evaluation.methods;
-  const bool is_same = compare_the_same(evaluation);  // only then one can be called the best
-  const Better lower = is_same ? Better::lower : Better::neither;
-  const Better higher = is_same ? Better::higher : Better::neither;
-  std::vector<NumberColumn> columns = {
-      column("missing<br>frames", methods, &MethodScore::missing, 0, lower),
-      column("mean 3D<br>(mm)", methods, &MethodScore::mean_3d_mm, 2, lower),
-      column("median 3D<br>(mm)", methods, &MethodScore::median_3d_mm, 2, lower),
-      column("mean 2D<br>(px)", methods, &MethodScore::mean_2d_px, 2, lower),
-      column("median 2D<br>(px)", methods, &MethodScore::median_2d_px, 2, lower),
-  };
-  for (std::size_t i = 0; i < kTableThresholdsMm.size(); ++i) {
-    const auto percent = [i](const MethodScore& method) {
-      return 100.0 * method.frames_all_joints_within[i];
-    };
-    columns.push_back(column(fmt::format("all joints<br>&le; {} mm (%)", kTableThresholdsMm[i]), methods,
-                             percent, 1, higher));
+  return "<h2>Scores</h2>\n" + score_table(evaluation.methods);
+}
+
+std::string common_section(const Evaluation& evaluation) {
+  if (evaluation.in_common.empty()) return {};
+  const std::vector<Landmark> common = compared(evaluation.in_common.front());
+  return "<h2>Scores in what all share</h2>\n" + score_table(evaluation.in_common) +
+         fmt::format("<p>In the {} landmarks that all methods and the truth have: {}.</p>\n", common.size(),
+                     names_of(common));
+}
+
+std::string difference_section(const Evaluation& evaluation) {
+  ReportTable table{
+      "Differences",
+      {"method", "against", "frames of both", "mean 3D (mm)", "95 % interval (mm)", "p"},
+      {},
+      "Error of the first less that of the second, frame by frame where both have a pose, by a paired "
+      "bootstrap over blocks of frames: neighbours are alike. An interval without 0, or a small p, "
+      "says that chance alone would hardly make such a difference."};
+  for (const MethodDifference& found : evaluation.differences) {
+    if (!std::isfinite(found.mean_mm)) continue;
+    table.rows.push_back({evaluation.methods[found.first].name, evaluation.methods[found.second].name,
+                          std::to_string(found.frames), fmt::format("{:+.2f}", found.mean_mm),
+                          fmt::format("{:+.2f} to {:+.2f}", found.low_mm, found.high_mm),
+                          fmt::format("{:.3f}", found.p_value)});
   }
-  columns.push_back(column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, higher));
-  return "<h2>Scores</h2>\n" + number_table("method", method_heads(methods), columns);
+  return table.rows.empty() ? std::string() : table_section(table);
 }
 
 std::string motion_section(const Evaluation& evaluation) {
   const std::vector<MethodScore>& methods = evaluation.methods;
   const auto moves = [](const MethodScore& method) { return method.motion.frames > 0; };
   if (std::ranges::none_of(methods, moves)) return {};
-  const Better lower = compare_the_same(evaluation) ? Better::lower : Better::neither;
+  const Better lower = compare_the_same(evaluation.methods) ? Better::lower : Better::neither;
   const auto of = [&](std::string head, double MotionScore::*value, double factor, int digits,
                       Better better) {
     const auto scaled = [=](const MethodScore& method) { return factor * (method.motion.*value); };
@@ -189,7 +212,7 @@ std::string motion_section(const Evaluation& evaluation) {
 
 std::string landmark_section(const Evaluation& evaluation) {
   std::string html = "<h2>Landmarks compared</h2>\n";
-  const bool is_same = compare_the_same(evaluation);
+  const bool is_same = compare_the_same(evaluation.methods);
   if (!is_same) {
     html +=
         "<p><strong>The methods were compared in different landmarks:</strong> their numbers do not compare "

@@ -39,6 +39,12 @@ std::string table_section(const ReportTable& shown);
 /// Methods x measures, the best of each measure in bold.
 std::string score_section(const Evaluation& evaluation);
 
+/// The same in the landmarks that all methods share; empty where the methods share all.
+std::string common_section(const Evaluation& evaluation);
+
+/// Pairs of methods, and how sure it is that they differ; empty where there are none.
+std::string difference_section(const Evaluation& evaluation);
+
 /// How estimates move from frame to frame; empty where no frames follow each other.
 std::string motion_section(const Evaluation& evaluation);
 
