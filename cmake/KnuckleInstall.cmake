@@ -22,7 +22,7 @@ foreach(header IN LISTS public_headers)
   install(FILES src/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
 endforeach()
 
-install(DIRECTORY experiments models pipelines manifests schemas DESTINATION ${data_folder})
+install(DIRECTORY experiments landmarks models pipelines manifests schemas DESTINATION ${data_folder})
 install(DIRECTORY web/dist DESTINATION ${data_folder}/web OPTIONAL)
 
 # MakeHuman's body, which set-up fetches, in one file of 6 MB.

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/text_file.h"
@@ -326,6 +327,93 @@ TEST_F(VerbsTest, LandmarksThatAreLabelledElsewhereAreLearnedAndApplied) {
   EXPECT_NEAR(mean_error_mm(path("moved.json")), mean_error_mm(path("moved_later.json")), 0.002);
   EXPECT_GT(std::abs(mean_error_mm(path("moved.json")) - mean_error_mm(path("plain.json"))), 0.002)
       << "moved";
+}
+
+TEST_F(VerbsTest, SyntheticFramesAreScoredInTheLandmarksOfADataSet) {
+  const std::string source = "synthetic:manifests/demo.toml?count=4";
+  ASSERT_THAT(run_program({"estimate", "--source", source, "--out", path("poses.txt")}), Succeeded());
+  for (const auto& [file, count] : {std::pair{"landmarks/nyu14.toml", 14}, {"landmarks/icvl16.toml", 16}}) {
+    ASSERT_THAT(run_program({"evaluate", "--truth", source, "--predictions", "m=" + path("poses.txt"),
+                             "--landmarks", file, "--json", path("scores.json")}),
+                Succeeded());
+    const auto method = nlohmann::json::parse(read_text_file(path("scores.json")))["methods"][0];
+    EXPECT_EQ(method["joints"].size(), count);
+    for (const auto& error : method["per_joint_3d_mm"]) EXPECT_LT(error, 60.0);
+  }
+}
+
+TEST_F(VerbsTest, ADataSetMayHaveLandmarksOfItsOwn) {
+  write_text_file(path("lab3.toml"),
+                  "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"lab3\"\n"
+                  "landmarks = [\"thumb_tip\", \"middle_of_index\", \"wrist\"]\n"
+                  "[middle_of_index]\nbone = \"index_mcp\"\ntowards = \"index_tip\"\nshare = 0.5\n");
+  ASSERT_THAT(run_program({"estimate", "--source", kDemoSource, "--landmarks", path("lab3.toml"), "--out",
+                           path("lab3.txt"), "--records", path("lab3.jsonl")}),
+              Succeeded());
+  EXPECT_THAT(read_text_file(path("lab3.txt")), StartsWith("# convention: lab3\n"));
+  EXPECT_THAT(read_text_file(path("lab3.jsonl")), HasSubstr("\"middle_of_index\":["));
+  // Its own poses are its truth: the folder set says the convention by the file beside it.
+  std::filesystem::create_directories(path("set") + "/depth");
+  const std::string joints = read_text_file(path("lab3.txt"));
+  write_text_file(path("set/joints.txt"), joints.substr(joints.find('\n') + 1));
+  std::filesystem::copy(path("lab3.toml"), path("set/lab3.toml"));
+  write_text_file(path("set/dataset.toml"),
+                  "convention = \"lab3.toml\"\n[camera]\nwidth = 320\nheight = 240\nfx = 224.5\nfy = 230.5\n"
+                  "cx = 160.0\ncy = 120.0\n");
+  for (int i = 0; i < 6; ++i)
+    write_png(path("set/depth/" + std::to_string(i) + ".png"), Image<std::uint16_t>(320, 240, 900));
+  ASSERT_THAT(run_program({"evaluate", "--truth", "folder:" + path("set"), "--predictions",
+                           "own=" + path("lab3.txt"), "--json", path("own.json")}),
+              Succeeded());
+  EXPECT_LT(mean_error_mm(path("own.json")), 0.01);
+  write_text_file(path("set/dataset.toml"),
+                  "convention = \"../lab3.toml\"\n[camera]\nwidth = 320\nheight = 240\n"
+                  "fx = 224.5\nfy = 230.5\ncx = 160.0\ncy = 120.0\n");
+  EXPECT_THAT(run_program({"inspect", "--source", "folder:" + path("set")}),
+              FailedWith("expected the name of a file in the same folder"));
+}
+
+TEST_F(VerbsTest, PosesInSpaceAreScoredAndMixedUpOnesAreNoticed) {
+  const std::string source = "synthetic:manifests/demo.toml?count=3";
+  ASSERT_THAT(run_program({"estimate", "--source", source, "--out", path("poses.txt"), "--records",
+                           path("poses.jsonl")}),
+              Succeeded());
+  std::string in_metres;  // as a program with OpenGL's axes writes them
+  std::istringstream records(read_text_file(path("poses.jsonl")));
+  for (std::string line; std::getline(records, line);) {
+    const auto hands = nlohmann::ordered_json::parse(line)["hands"];
+    ASSERT_FALSE(hands.empty());
+    for (const auto& point : hands[0]["landmarks_mm"]) {
+      in_metres += fmt::format("{} {} {} ", point[0].get<double>() / 1000, -point[1].get<double>() / 1000,
+                               -point[2].get<double>() / 1000);
+    }
+    in_metres += "\n";
+  }
+  write_text_file(path("space.txt"), in_metres);
+  std::vector<std::string> arguments = {"evaluate",
+                                        "--truth",
+                                        source,
+                                        "--predictions",
+                                        "space=" + path("space.txt"),
+                                        "pixels=" + path("poses.txt"),
+                                        "--convention",
+                                        "knuckle22",
+                                        "--json",
+                                        path("scores.json")};
+  const ProgramRun mixed_up = run_program(arguments);
+  EXPECT_THAT(mixed_up, Succeeded());
+  EXPECT_THAT(mixed_up.error, HasSubstr("space.txt: read so, half of its joints are more than"));
+  EXPECT_THAT(mixed_up.error, HasSubstr("with --format xyz --axes x,-y,-z --unit m more than"));
+  EXPECT_THAT(mixed_up.error, Not(HasSubstr("poses.txt")));
+  write_text_file(path("space.txt"), "# format: xyz\n# axes: x,-y,-z\n# unit: m\n" + in_metres);
+  const ProgramRun right = run_program(arguments);
+  EXPECT_THAT(right, Succeeded());
+  EXPECT_EQ(right.error, "");
+  const auto scores = nlohmann::json::parse(read_text_file(path("scores.json")));
+  EXPECT_NEAR(scores["methods"][0]["mean_3d_mm"], scores["methods"][1]["mean_3d_mm"], 0.01);
+  EXPECT_NEAR(scores["differences"][0]["mean_mm"], 0.0, 0.01);
+  arguments.insert(arguments.end(), {"--axes", "x,-y,-z"});
+  EXPECT_THAT(run_program(arguments), FailedWith("--axes: tells of x y z"));
 }
 
 TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {

@@ -15,6 +15,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/data/boxes_file.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/prepare/open_source.h"
@@ -87,9 +88,11 @@ struct GivenPredictions {
     }
   }
 
-  void read_files(const std::optional<Convention>& convention, PixelOrigin origin) {
-    for (const auto& [place, file] : files)
-      methods[place].sequence = read_poses_file(file.path, convention, origin);
+  void read_files(const std::optional<Convention>& convention, const OpenedTruth& opened) {
+    for (const auto& [place, file] : files) {
+      const PoseNumbers numbers = read_pose_numbers(file.path, convention);
+      methods[place].sequence = poses_from(numbers, opened.truth.projections, opened.origin);
+    }
   }
 };
 
@@ -97,17 +100,17 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
                              const std::optional<std::string>& convention_name,
                              const std::optional<Camera>& camera,
                              const std::map<std::string, std::filesystem::path>& boxes,
-                             const std::optional<std::filesystem::path>& landmarks) {
+                             const std::optional<std::filesystem::path>& landmarks, bool common) {
   std::optional<Convention> convention;
-  if (convention_name) convention = convention_from_name(*convention_name);
+  if (convention_name) convention = convention_from_option(*convention_name);
   GivenPredictions given(predictions, convention);
   if (given.methods.empty() && boxes.empty()) fail("evaluate: nothing to score: give predictions or boxes");
   return interruptible([&] {
-    const OpenedTruth opened = truth_from(truth_text, convention, camera);
-    given.read_files(convention, opened.origin);
+    OpenedTruth opened = truth_from(truth_text, convention, camera);
+    given.read_files(convention, opened);
     if (landmarks) move_landmarks(LandmarkDefinition::load(*landmarks), opened.truth, given.methods);
     std::optional<Evaluation> evaluation;
-    if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods);
+    if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods, common);
     std::vector<SegmentationScore> overlaps;
     for (const auto& [name, path] : boxes)
       overlaps.push_back(score_boxes(name, read_boxes_file(path), opened.truth.sequence.poses));
@@ -120,7 +123,8 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
 // What knuckle/__init__.py makes a dict of.
 void add_evaluation(py::module_& module) {
   module.def("evaluate_as_json", &evaluate_as_json, py::arg("truth"), py::arg("predictions"),
-             py::arg("convention"), py::arg("camera"), py::arg("boxes"), py::arg("landmarks"));
+             py::arg("convention"), py::arg("camera"), py::arg("boxes"), py::arg("landmarks"),
+             py::arg("common"));
 }
 
 }  // namespace knuckle::python

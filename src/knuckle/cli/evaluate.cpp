@@ -5,6 +5,7 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/boxes_file.h"
 #include "knuckle/data/readers/image_io.h"
@@ -60,7 +61,7 @@ struct OpenedTruth {
 
 std::optional<Convention> chosen_convention(const EvaluateArguments& arguments) {
   if (arguments.convention.empty()) return std::nullopt;
-  return convention_from_name(arguments.convention);
+  return convention_from_option(arguments.convention);
 }
 
 OpenedTruth read_truth_file(const EvaluateArguments& arguments) {
@@ -186,10 +187,11 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
   write_out(arguments, report);
 }
 
-void score_labelled(const EvaluateArguments& arguments, const OpenedTruth& opened) {
+void score_labelled(const EvaluateArguments& arguments, OpenedTruth& opened) {
+  std::optional<LandmarkDefinition> definition;
+  if (!arguments.landmarks.empty()) definition = LandmarkDefinition::load(arguments.landmarks);
   std::vector<Predictions> predictions = read_predictions(arguments, opened.truth, opened.pixel_origin);
-  if (!arguments.landmarks.empty())
-    move_landmarks(LandmarkDefinition::load(arguments.landmarks), opened.truth, predictions);
+  if (definition) move_landmarks(*definition, opened.truth, predictions);
   Report report;
   if (!predictions.empty()) {
     report.evaluation = evaluate(opened.truth, predictions, arguments.common);
@@ -216,12 +218,16 @@ void run_evaluate(const EvaluateArguments& arguments) {
   }
   if (arguments.predictions.empty() && !arguments.strip.empty())
     fail("evaluate: --strip shows estimates: give --predictions NAME=PATH");
-  if (!names_a_source(arguments.truth)) return score_labelled(arguments, read_truth_file(arguments));
+  if (!names_a_source(arguments.truth)) {
+    OpenedTruth opened = read_truth_file(arguments);
+    return score_labelled(arguments, opened);
+  }
   auto source = open_source(arguments.truth);
   if (!source->convention()) return show_unlabelled(arguments, *source);
   Truth truth = truth_from_source(*source, arguments.truth);
   const PixelOrigin origin = source->pixel_origin();
-  score_labelled(arguments, {std::move(truth), std::move(source), origin});
+  OpenedTruth opened{std::move(truth), std::move(source), origin};
+  score_labelled(arguments, opened);
 }
 
 }  // namespace
@@ -242,7 +248,8 @@ void add_evaluate(CLI::App& program) {
                   "What `segment` wrote, to be scored against the box of the true joints")
       ->type_name("NAME=FILE");
   verb.add_option("--convention", arguments->convention,
-                  "Landmarks of files that do not name theirs; `knuckle info` lists them")
+                  "Landmarks of files that do not name theirs: a name that `knuckle info` lists, or a file "
+                  "of your own (NAME.toml)")
       ->type_name("NAME");
   add_landmarks_option(
       verb, arguments->landmarks,

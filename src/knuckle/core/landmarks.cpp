@@ -5,6 +5,7 @@
 #include <array>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 
@@ -70,7 +71,12 @@ constexpr std::array kLandmarkRows = {
     LandmarkRow{"nyu_wrist_2", Digit::none, 0},
 };
 
-const LandmarkRow& row_of(Landmark landmark) {
+/// The row of one of one's own is that of the landmark that it lies near to, under its own name.
+LandmarkRow row_of(Landmark landmark) {
+  if (is_own(landmark)) {
+    const LandmarkRow& near = kLandmarkRows[static_cast<std::size_t>(own_landmark_is_near(landmark))];
+    return {name_of(landmark), near.digit, near.rank};
+  }
   return kLandmarkRows[static_cast<std::size_t>(landmark)];
 }
 
@@ -139,10 +145,21 @@ std::vector<int> digit_chain(const Convention& convention, Digit digit) {
 
 }  // namespace
 
-static_assert(kLandmarkRows.size() == static_cast<std::size_t>(nyu_wrist_2) + 1);
+static_assert(kLandmarkRows.size() == kKnownLandmarks);
 
 std::string_view name_of(Landmark landmark) {
-  return row_of(landmark).name;
+  if (is_own(landmark)) return own_landmark_name(landmark);
+  return kLandmarkRows[static_cast<std::size_t>(landmark)].name;
+}
+
+bool is_own(Landmark landmark) {
+  return static_cast<std::size_t>(landmark) >= kLandmarkRows.size();
+}
+
+std::optional<Landmark> known_landmark(std::string_view name) {
+  const auto found = std::ranges::find(kLandmarkRows, name, &LandmarkRow::name);
+  if (found == kLandmarkRows.end()) return std::nullopt;
+  return static_cast<Landmark>(found - kLandmarkRows.begin());
 }
 
 int Convention::index_of(Landmark landmark) const {
@@ -159,7 +176,12 @@ const Convention& convention_from_name(std::string_view name) {
   if (found != kConventions.end()) return *found;
   std::vector<std::string> known;
   for (const Convention& convention : kConventions) known.emplace_back(convention.name);
-  fail("unknown convention '{}'{}; known are {}", name, suggestion(name, known), joined(known));
+  for (const Convention& convention : own_conventions()) {
+    if (convention.name == name) return registered_convention(name);
+    known.emplace_back(convention.name);
+  }
+  fail("unknown convention '{}'{}; known are {}, and one's own by its file (NAME.toml)", name,
+       suggestion(name, known), joined(known));
 }
 
 const Convention& superset_convention() {

@@ -11,7 +11,8 @@ namespace knuckle {
 
 /// A named point of the hand. The first 22 are Knuckle's superset: joints of the skeleton, the finger tips,
 /// and the centre of the palm. The others belong to one data set each and coincide with none of the 22.
-enum class Landmark : std::uint8_t {
+/// Values beyond the last one are landmarks of one's own (`own_landmark`).
+enum class Landmark : std::uint16_t {
   wrist,
   palm,
   thumb_cmc,
@@ -83,7 +84,8 @@ struct Convention {
 /// nyu14.
 std::span<const Convention> conventions();
 
-/// The convention of that name. Throws an Error that lists the known ones.
+/// The convention of that name: one of `conventions`, or one's own that was read from a file before
+/// (`convention_from_file`). Throws an Error that lists the known ones.
 const Convention& convention_from_name(std::string_view name);
 
 /// knuckle22: all landmarks of the superset, in the order of the enumeration.

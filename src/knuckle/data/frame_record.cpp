@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 
@@ -203,7 +204,9 @@ PixelPoint pixel_from(const Value& value) {
 Convention convention_of(const Value& landmarks) {
   std::vector<std::string> names;
   for_entries(landmarks, [&](const std::string& name, const Value&) { names.push_back(name); });
-  for (const Convention& convention : conventions()) {
+  std::vector<Convention> known = own_conventions();
+  known.insert(known.begin(), conventions().begin(), conventions().end());
+  for (const Convention& convention : known) {
     if (std::ranges::equal(convention.landmarks, names, {}, name_of)) return convention;
   }
   fail("{}: has the landmarks of no convention: {}", landmarks.where, joined(names));

@@ -9,6 +9,8 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/options.h"
+#include "knuckle/core/own_convention.h"
+#include "knuckle/core/text.h"
 
 namespace knuckle {
 namespace {
@@ -68,7 +70,7 @@ Landmark nearest_of_superset(Landmark landmark) {
     case nyu_wrist_2:
       return wrist;
     default:
-      return landmark;
+      return is_own(landmark) ? own_landmark_is_near(landmark) : landmark;
   }
 }
 
@@ -111,19 +113,26 @@ std::optional<Eigen::Matrix3d> axes_of(const Eigen::Vector3d& along, const Eigen
   return axes;
 }
 
+const std::vector<std::string_view>& superset_names() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> of_superset;
+    for (const Landmark landmark : superset_convention().landmarks) of_superset.push_back(name_of(landmark));
+    return of_superset;
+  }();
+  return names;
+}
+
 struct LandmarkEntry {
   std::string bone;
-  std::vector<double> offset;
+  std::vector<double> offset{0.0, 0.0, 0.0};
+  std::string towards;
+  double share = 0.0;
 
   void visit(OptionVisitor& visitor) {
-    static const std::vector<std::string_view> names = [] {
-      std::vector<std::string_view> of_superset;
-      for (const Landmark landmark : superset_convention().landmarks)
-        of_superset.push_back(name_of(landmark));
-      return of_superset;
-    }();
-    visitor.choice("bone", bone, names);
+    visitor.choice("bone", bone, superset_names());
     visitor.reals("offset", offset, closed(-kLargestOffset, kLargestOffset), 3, 3);
+    visitor.choice("towards", towards, superset_names());
+    visitor.real("share", share, closed(-1, 2));
   }
 };
 
@@ -131,12 +140,14 @@ struct DefinitionHead {
   std::string format;
   int version = 0;
   std::string convention;
+  std::vector<std::string> landmarks;
 
   void visit(OptionVisitor& visitor) {
     static constexpr std::array kFormats{kFormat};
     visitor.choice("format", format, kFormats);
     visitor.integer("version", version, closed(kVersion, kVersion));
     visitor.text("convention", convention);
+    visitor.texts("landmarks", landmarks, {});
   }
 };
 
@@ -145,16 +156,44 @@ Landmark superset_landmark(std::string_view name) {
   return *std::ranges::find_if(landmarks, [&](Landmark landmark) { return name_of(landmark) == name; });
 }
 
+/// A landmark of the 22 lies where it lies, unless a table says otherwise; in a convention that has a file of
+/// its own it needs none.
 DefinedLandmark read_landmark(const OptionTable& document, Landmark landmark) {
   const std::string name(name_of(landmark));
+  const bool may_be_plain = document.has("landmarks") && static_cast<int>(landmark) < kSupersetSize;
+  if (!document.has(name) && may_be_plain) return {.bone = landmark};
   if (!document.has(name)) fail("{}: lacks the table [{}]", document.origin(), name);
   const OptionTable table = document.table(name);
-  for (const char* key : {"bone", "offset"}) {
+  for (const char* key : {"bone", table.has("towards") ? "share" : "offset"}) {
     if (!table.has(key)) fail("{}: [{}] lacks '{}'", document.origin(), name, key);
   }
+  if (table.has("share") && !table.has("towards")) fail("{}: [{}] lacks 'towards'", document.origin(), name);
   LandmarkEntry entry;
   table.read(entry);
-  return {superset_landmark(entry.bone), {entry.offset[0], entry.offset[1], entry.offset[2]}};
+  DefinedLandmark read{superset_landmark(entry.bone), {entry.offset[0], entry.offset[1], entry.offset[2]}};
+  if (!entry.towards.empty()) read.towards = superset_landmark(entry.towards);
+  read.share = entry.share;
+  return read;
+}
+
+std::string landmark_list(const Convention& convention) {
+  std::vector<std::string> names;
+  for (const Landmark landmark : convention.landmarks)
+    names.push_back(fmt::format("\"{}\"", name_of(landmark)));
+  return fmt::format("landmarks = [{}]\n", joined(names));
+}
+
+Convention convention_of(const OptionTable& document, const DefinitionHead& head,
+                         const std::filesystem::path& path) {
+  if (document.has("landmarks")) return convention_from_file(path);
+  const auto known = conventions();
+  if (std::ranges::find(known, head.convention, &Convention::name) == known.end()) {
+    document.fail_at("convention",
+                     fmt::format("is \"{}\"; `knuckle info` lists those that there are, and one's "
+                                 "own is told with a list 'landmarks'",
+                                 head.convention));
+  }
+  return convention_from_name(head.convention);
 }
 
 }  // namespace
@@ -175,12 +214,7 @@ LandmarkDefinition LandmarkDefinition::load(const std::filesystem::path& path) {
     }
   }
   document.read(head);
-  const auto known = conventions();
-  if (std::ranges::find(known, head.convention, &Convention::name) == known.end()) {
-    document.fail_at("convention",
-                     fmt::format("is \"{}\"; `knuckle info` lists those that there are", head.convention));
-  }
-  LandmarkDefinition definition{convention_from_name(head.convention), {}};
+  LandmarkDefinition definition{convention_of(document, head, path), {}};
   for (const Landmark landmark : definition.convention.landmarks)
     definition.landmarks.push_back(read_landmark(document, landmark));
   document.finish();
@@ -190,11 +224,15 @@ LandmarkDefinition LandmarkDefinition::load(const std::filesystem::path& path) {
 std::string LandmarkDefinition::as_toml() const {
   std::string text =
       fmt::format("format = \"{}\"\nversion = {}\nconvention = \"{}\"\n", kFormat, kVersion, convention.name);
+  if (std::ranges::find(conventions(), convention) == conventions().end()) text += landmark_list(convention);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Eigen::Vector3d& offset = landmarks[i].offset;
     text += fmt::format("\n[{}]\nbone = \"{}\"\noffset = [{:.5f}, {:.5f}, {:.5f}]\n",
                         name_of(convention.landmarks[i]), name_of(landmarks[i].bone), offset.x(), offset.y(),
                         offset.z());
+    if (landmarks[i].towards)
+      text +=
+          fmt::format("towards = \"{}\"\nshare = {}\n", name_of(*landmarks[i].towards), landmarks[i].share);
   }
   return text;
 }
@@ -204,7 +242,8 @@ std::vector<Point3> LandmarkDefinition::on(const SupersetPoints& hand, HandSide 
   std::vector<Point3> points;
   points.reserve(landmarks.size());
   for (const DefinedLandmark& landmark : landmarks) {
-    const Point3& origin = point_of(hand, landmark.bone);
+    Point3 origin = point_of(hand, landmark.bone);
+    if (landmark.towards) origin += landmark.share * (point_of(hand, *landmark.towards) - origin);
     if (landmark.offset.isZero(0.0)) {
       points.push_back(origin);
       continue;

@@ -19,10 +19,13 @@ namespace knuckle {
 /// The 22 landmarks of a hand in camera coordinates [mm]; one that is not known is NaN.
 using SupersetPoints = std::array<Point3, kSupersetSize>;
 
-/// Where one landmark of a data set lies: at an offset from one of the 22, in the axes of the bone there.
+/// Where one landmark of a data set lies: on the way from one of the 22 to another, and at an offset from
+/// there in the axes of the first one's bone.
 struct DefinedLandmark {
   Landmark bone = Landmark::wrist;        ///< one of the 22
   Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< along the bone's axes (`bone_axes`) [palm lengths]
+  std::optional<Landmark> towards = {};   ///< another of the 22
+  double share = 0.0;                     ///< of the way from `bone` to `towards`, [-1, 2]
 };
 
 /// Where the landmarks of a convention lie on the hand, as those who label it place them: data sets differ by
@@ -34,8 +37,10 @@ struct LandmarkDefinition {
   /// The landmark itself where it is one of the 22; of a data set's own that of the 22 that it lies nearest
   /// to. All offsets are 0.
   static LandmarkDefinition plain(const Convention& convention);
-  /// Reads what `as_toml` writes. Throws an Error that names file, line and key where the file is wrong: an
-  /// unknown convention or bone, a landmark that is missing, an offset that is not finite or beyond 2.
+  /// Reads what `as_toml` writes, and what people write: with a list `landmarks` it defines a convention of
+  /// one's own (`convention_from_file`), in which landmarks of the 22 need no table. Throws an Error that
+  /// names file, line and key where the file is wrong: an unknown convention or bone, a landmark that is
+  /// missing, an offset that is not finite or beyond 2.
   static LandmarkDefinition load(const std::filesystem::path& path);
   std::string as_toml() const;
 

@@ -154,6 +154,63 @@ TEST(LandmarkDefinitionTest, AreReadAsTheyWereWritten) {
   }
 }
 
+TEST(LandmarkDefinitionTest, ALandmarkMayLieOnTheWayToAnother) {
+  Random random(9);
+  LandmarkDefinition definition = LandmarkDefinition::plain(convention_from_name("icvl16"));
+  const int root = definition.convention.index_of(Landmark::icvl_ring_root);
+  definition.landmarks[root] = {Landmark::ring_mcp, {0.0, 0.0, 0.1}, Landmark::ring_pip, 0.25};
+  for (int i = 0; i < 10; ++i) {
+    const SupersetPoints hand = random_hand(random);
+    const Point3& mcp = hand[static_cast<std::size_t>(Landmark::ring_mcp)];
+    const Point3& pip = hand[static_cast<std::size_t>(Landmark::ring_pip)];
+    const auto axes = bone_axes(hand, HandSide::right, Landmark::ring_mcp);
+    const Point3 expected = 0.75 * mcp + 0.25 * pip + 0.1 * palm_length(hand) * axes->col(2);
+    EXPECT_LT((definition.on(hand, HandSide::right)[root] - expected).norm(), 1e-9);
+  }
+}
+
+TEST(LandmarkDefinitionTest, OfAConventionOfOnesOwnIsReadAndWritten) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "lab.toml")
+      << "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"hand_lab\"\n"
+         "landmarks = [\"wrist\", \"hand_lab_middle\"]\n[hand_lab_middle]\n"
+         "bone = \"middle_mcp\"\ntowards = \"middle_pip\"\nshare = 0.5\n";
+  const LandmarkDefinition definition = LandmarkDefinition::load(folder / "lab.toml");
+  Random random(4);
+  const SupersetPoints hand = random_hand(random);
+  const std::vector<Point3> points = definition.on(hand, HandSide::left);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0], hand[0]);
+  const Point3 middle = (hand[static_cast<std::size_t>(Landmark::middle_mcp)] +
+                         hand[static_cast<std::size_t>(Landmark::middle_pip)]) /
+                        2;
+  EXPECT_LT((points[1] - middle).norm(), 1e-9);
+  std::ofstream(folder / "again.toml") << definition.as_toml();
+  const LandmarkDefinition again = LandmarkDefinition::load(folder / "again.toml");
+  EXPECT_EQ(again.on(hand, HandSide::left), points);
+  EXPECT_EQ(again.convention, definition.convention);
+}
+
+TEST(LandmarkDefinitionTest, ThoseThatAreShippedCoverTheirConventions) {
+  Random random(6);
+  const SupersetPoints hand = random_hand(random);
+  for (const char* name : {"icvl16", "nyu14"}) {
+    const LandmarkDefinition definition =
+        LandmarkDefinition::load(testing::project_folder() / "landmarks" / (std::string(name) + ".toml"));
+    EXPECT_EQ(definition.convention.name, name);
+    for (const Point3& point : definition.on(hand, HandSide::right)) EXPECT_TRUE(point.allFinite());
+  }
+  // The two of NYU's wrist are 29 mm apart on a hand whose palm is 93 mm long, at the end of the forearm.
+  const LandmarkDefinition nyu = LandmarkDefinition::load(testing::project_folder() / "landmarks/nyu14.toml");
+  const SupersetPoints adult = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
+  const std::vector<Point3> points = nyu.on(adult, HandSide::right);
+  const Point3& first = points[nyu.convention.index_of(Landmark::nyu_wrist_1)];
+  const Point3& second = points[nyu.convention.index_of(Landmark::nyu_wrist_2)];
+  EXPECT_NEAR((first - second).norm(), 0.31 * palm_length(adult), 1e-6);
+  EXPECT_GT(second.x(), first.x());  // x points to the thumb's side
+  EXPECT_LT(first.y(), adult[0].y());
+}
+
 TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
   const TemporaryFolder folder;
   const std::string good = LandmarkDefinition::plain(convention_from_name("icg20")).as_toml();
@@ -177,6 +234,11 @@ TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
   EXPECT_THAT(error_with("version = 1", "version = 2"), HasSubstr("version"));
   EXPECT_THAT(error_with("format = \"knuckle-landmarks\"\n", ""), HasSubstr("'format'"));
   EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\nscale = 2"), HasSubstr("scale"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\nshare = 0.5"), HasSubstr("lacks 'towards'"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\ntowards = \"wrist\""),
+              HasSubstr("lacks 'share'"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\ntowards = \"wrist\"\nshare = 9"),
+              HasSubstr("share"));
 }
 
 }  // namespace

@@ -53,6 +53,16 @@ std::vector<MethodScore> scored_in_common(const Truth& truth, const std::vector<
   return scores;
 }
 
+/// `truth` tells cameras and sides of the frames.
+void move_sequence(const LandmarkDefinition& definition, const Truth& truth, PoseSequence& sequence) {
+  sequence.convention = definition.convention;
+  for (std::size_t i = 0; i < sequence.poses.size(); ++i) {
+    const auto frame = static_cast<std::int64_t>(i);
+    HandPose& pose = sequence.poses[i];
+    pose = defined_pose(definition, pose, truth.projection(frame), truth.side(frame));
+  }
+}
+
 int size_around(double principal_point) {
   constexpr double kLargestSize = 1e6;  // [px]
   return static_cast<int>(std::clamp(std::ceil(2.0 * principal_point), 1.0, kLargestSize));
@@ -125,18 +135,15 @@ Truth truth_from_source(const FrameSource& source, const std::string& name) {
   return truth;
 }
 
-void move_landmarks(const LandmarkDefinition& definition, const Truth& truth,
-                    std::vector<Predictions>& methods) {
+void move_landmarks(const LandmarkDefinition& definition, Truth& truth, std::vector<Predictions>& methods) {
   for (Predictions& method : methods) {
     require_all_landmarks(method.sequence.convention, method.sequence.origin);
     if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says
-    method.sequence.convention = definition.convention;
-    for (std::size_t i = 0; i < method.sequence.poses.size(); ++i) {
-      const auto frame = static_cast<std::int64_t>(i);
-      HandPose& pose = method.sequence.poses[i];
-      pose = defined_pose(definition, pose, truth.projection(frame), truth.side(frame));
-    }
+    move_sequence(definition, truth, method.sequence);
   }
+  const Convention& labelled = truth.sequence.convention;
+  const bool has_all = map_convention(labelled, superset_convention()).missing.empty();
+  if (has_all && labelled != definition.convention) move_sequence(definition, truth, truth.sequence);
 }
 
 NamedPath named_path_from_text(std::string_view text) {
