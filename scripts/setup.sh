@@ -14,7 +14,7 @@ packages=(
   g++ make cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
-  libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libzstd-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   # the server of `live --view` (headers alone)
   libboost-dev
 )
