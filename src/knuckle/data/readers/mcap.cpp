@@ -173,7 +173,6 @@ void Mcap::add_listing(const McapRecord& record) {
   listing.chunk = static_cast<std::uint32_t>(chunks_.size() - 1);
   listing.at = record.data_at + kHeadBytes;
   listing.count = bytes / kIndexEntryBytes;
-  chunks_.back().has_listing = true;
   listings_.push_back(listing);
 }
 
@@ -190,17 +189,20 @@ void Mcap::add_statistics(const McapRecord& record) {
   }
 }
 
-/// Chunks that have no index, and those whose index tells of channels that no record outside of chunks
-/// describes, are looked through.
+/// Indexes are believed where statistics tell that they are whole. Chunks without one, and those whose index
+/// tells of channels that no record outside of chunks describes, are looked through.
 void Mcap::list_messages() {
   auto listing = listings_.begin();
   for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
     auto end = listing;
     while (end != listings_.end() && end->chunk == number) ++end;
+    chunks_[number].is_listed = end != listing && !counts_.empty();
     const bool is_described =
         std::all_of(listing, end, [&](const Listing& listed) { return channels_.contains(listed.channel); });
-    if (!chunks_[number].has_listing || !is_described) scan_chunk(number);
-    for (; listing != end; ++listing) read_listing(*listing);
+    if (!chunks_[number].is_listed || !is_described) scan_chunk(number);
+    for (; listing != end; ++listing) {
+      if (chunks_[number].is_listed) read_listing(*listing);
+    }
   }
 }
 
@@ -214,7 +216,7 @@ void Mcap::scan_chunk(std::uint32_t number) {
     const Bytes content = cursor.take(cursor.u64());
     if (kind == McapRecordKind::schema) add_schema(content, where);
     if (kind == McapRecordKind::channel) add_channel(content, where);
-    if (kind == McapRecordKind::message && !chunks_[number].has_listing)
+    if (kind == McapRecordKind::message && !chunks_[number].is_listed)
       add_message(content, {0, number, offset, 0.0}, where);
   }
 }

@@ -18,10 +18,10 @@
 namespace knuckle {
 
 /// An MCAP file (specification of MCAP, version 0) with messages of ROS 2: topics of some types, and their
-/// messages at random. Opening reads the heads of all records, and where the indexes of messages are. A chunk
-/// without an index, or with one that names what is described nowhere else, is unpacked then, once. Sums are
-/// checked where the file has them: of the summary, of each chunk as it is unpacked, and of the whole file
-/// where messages lie outside of chunks. Safe to be read by many threads.
+/// messages at random. Opening reads the heads of all records, and the indexes of messages where the file's
+/// statistics confirm them. A chunk without such an index, or with one that names what is described nowhere
+/// else, is unpacked then, once. Sums are checked where the file has them: of the summary, of each chunk as it
+/// is unpacked, and of the whole file where messages lie outside of chunks. Safe to be read by many threads.
 class Mcap {
  public:
   /// Lists the messages of these types, as in "sensor_msgs/msg/Image", that are serialised as CDR. Throws an
@@ -47,7 +47,7 @@ class Mcap {
     std::uint64_t bytes = 0;
     std::uint32_t sum = 0;  ///< of the unpacked bytes; 0: not known
     Packing packing = Packing::none;
-    bool has_listing = false;
+    bool is_listed = false;  ///< its messages stand in `listings_`
   };
   /// Where the file lists messages of one channel in one chunk.
   struct Listing {
