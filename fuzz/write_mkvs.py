@@ -4,10 +4,9 @@
 
     fuzz/write_mkvs.py FOLDER [--azure]        (Debian: ffmpeg)
 
-Those of 16 x 12 pixels are fuzz/corpus/mkv; azure.mkv (--azure) has the size, the calibration and the tags of a real
-one. Pixel
-(column, row) of depth image i is 600 + i + column + 3 row [mm]; every seventh is not measured. That of infrared image i
-is 100 + i + 2 column + row. There are 32 images per second.
+Those of 16 x 12 pixels, and a calibration, are fuzz/corpus/mkv; azure.mkv (--azure) has the size, the calibration and
+the tags of a real one. Pixel (column, row) of depth image i is 600 + i + column + 3 row [mm]; every seventh is not
+measured. That of infrared image i is 100 + i + 2 column + row. There are 32 images per second.
 """
 import json
 import pathlib
@@ -101,5 +100,6 @@ write_mkv(folder / "b16g", 16, 12, b"b16g", ["-write_crc32", "0"])
 write_mkv(folder / "y16", 16, 12, b"Y16 ")
 write_mkv(folder / "uncompressed", 16, 12, b"Y16 ", is_uncompressed=True)
 write_mkv(folder / "live", 16, 12, b"b16g", ["-live", "1"])
+(folder / "calibration").write_text(json.dumps(CALIBRATION))
 if len(sys.argv) > 2 and sys.argv[2] == "--azure":
     write_mkv(folder / "azure.mkv", 320, 288, b"b16g", tags=["K4A_DEPTH_TRACK=1", "K4A_DEPTH_MODE=NFOV_2X2BINNED"])

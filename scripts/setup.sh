@@ -23,8 +23,8 @@ development_packages=(
   python3-dev pybind11-dev
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
-  # writes recordings that tests read
-  libfreenect-bin
+  # write recordings that tests read
+  libfreenect-bin ffmpeg
   # shows the page of `live` in its tests
   chromium
 )
