@@ -14,6 +14,7 @@ pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 find_package(PNG REQUIRED)
 find_package(BZip2 REQUIRED)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 find_package(ZLIB REQUIRED)  # tests compare with it
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 find_package(Threads REQUIRED)

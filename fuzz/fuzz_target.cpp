@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 29> kTargets{{
+constexpr std::array<FuzzTarget, 31> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
@@ -30,6 +30,8 @@ constexpr std::array<FuzzTarget, 29> kTargets{{
     {"lines", run_lines},
     {"manifest", run_manifest},
     {"mat", run_mat},
+    {"mcap", run_mcap},
+    {"mkv", run_mkv},
     {"model", run_model},
     {"msra15", run_msra15},
     {"network", run_network},

@@ -74,6 +74,8 @@ void run_journal(Bytes bytes);
 void run_frame_log(Bytes bytes);
 void run_fakenect(Bytes bytes);
 void run_rosbag(Bytes bytes);
+void run_mcap(Bytes bytes);
+void run_mkv(Bytes bytes);
 void run_control(Bytes bytes);
 void run_request(Bytes bytes);
 

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <string_view>
 
+#include "knuckle/data/readers/azure_calibration.h"
 #include "knuckle/data/readers/fakenect_index.h"
 #include "knuckle/data/readers/kinect_depth.h"
+#include "knuckle/data/readers/mcap_source.h"
+#include "knuckle/data/readers/mkv_source.h"
 #include "knuckle/data/readers/pgm_image.h"
 #include "knuckle/data/readers/rosbag_source.h"
 
@@ -22,10 +25,34 @@ void run_fakenect(Bytes bytes) {
   (void)kinect_depth_mm(stored, kinect_format_of(stored, "", "fuzz.pgm"), "fuzz.pgm");
 }
 
+namespace {
+
+void read_first(const FrameSource& source) {
+  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) (void)source.read(i);
+}
+
+}  // namespace
+
 void run_rosbag(Bytes bytes) {
   const FuzzFile file(bytes, ".bag");
-  const RosbagSource source(file.path());
-  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) (void)source.read(i);
+  read_first(RosbagSource(file.path()));
+}
+
+void run_mcap(Bytes bytes) {
+  const FuzzFile file(bytes, ".mcap");
+  read_first(McapSource(file.path()));
+}
+
+/// A recording, whose camera comes from a file: images of its own would make it large; or a calibration.
+void run_mkv(Bytes bytes) {
+  if (as_text(bytes).starts_with("{")) {
+    (void)parse_azure_calibration(as_text(bytes), "NFOV_UNBINNED", "calibration.json");
+    return;
+  }
+  static const FuzzFile camera(as_bytes_of("[camera]\nwidth=16\nheight=12\nfx=15\nfy=15\ncx=8\ncy=6\n"),
+                               ".toml");
+  const FuzzFile file(bytes, ".mkv");
+  read_first(MkvSource(file.path(), {.camera = camera.path().string()}));
 }
 
 }  // namespace knuckle::fuzz

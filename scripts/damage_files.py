@@ -205,6 +205,14 @@ def recording_cases(root):
     for packing in ("none", "bz2", "lz4"):
         shutil.copy(PROJECT / "fuzz/corpus/rosbag" / packing, folder / packing)
         made.append(Case(f"rosbag {packing}", folder, packing, ["inspect", "--source", "rosbag:FILE"]))
+    for layout in ("none", "lz4", "zstd", "no_indexes", "no_chunks"):
+        shutil.copy(PROJECT / "fuzz/corpus/mcap" / layout, folder / f"mcap_{layout}")
+        made.append(Case(f"mcap {layout}", folder, f"mcap_{layout}", ["inspect", "--source", "mcap:FILE"]))
+    (folder / "small.toml").write_text("[camera]\nwidth = 16\nheight = 12\nfx = 15\nfy = 15\ncx = 8\ncy = 6\n")
+    for layout in ("b16g", "y16", "live"):
+        shutil.copy(PROJECT / "fuzz/corpus/mkv" / layout, folder / f"mkv_{layout}")
+        mkv = ["inspect", "--source", "mkv:FILE?camera=FOLDER/small.toml"]
+        made.append(Case(f"mkv {layout}", folder, f"mkv_{layout}", mkv))
     return made
 
 

@@ -14,7 +14,7 @@ packages=(
   g++ make cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
   libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
-  libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
+  libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libzstd-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   # the server of `live --view` (headers alone)
   libboost-dev
 )
@@ -23,8 +23,8 @@ development_packages=(
   python3-dev pybind11-dev
   libtorch-dev libopenblas0-pthread
   libgtest-dev libgmock-dev libbenchmark-dev
-  # writes recordings that tests read
-  libfreenect-bin
+  # write recordings that tests read
+  libfreenect-bin ffmpeg
   # shows the page of `live` in its tests
   chromium
 )

@@ -26,8 +26,10 @@ inline constexpr std::int64_t kRecordHeaderBytes = std::int64_t{1}
                                                    << 20;  ///< of a record's header in a recording
 inline constexpr std::int64_t kRecordingChunkBytes = std::int64_t{256}
                                                      << 20;  ///< of a recording's chunk, unpacked
-inline constexpr int kConnections = 16384;                   ///< of topics and publishers in a recording
-inline constexpr std::int64_t kModelEntries = 256;           ///< of a model's file
+inline constexpr std::int64_t kRecordedMessages = std::int64_t{1}
+                                                  << 24;  ///< of images and cameras in a recording
+inline constexpr int kConnections = 16384;                ///< of topics and publishers in a recording
+inline constexpr std::int64_t kModelEntries = 256;        ///< of a model's file
 inline constexpr std::int64_t kModelHeaderBytes = std::int64_t{4} << 20;  ///< of a model's header
 inline constexpr std::int64_t kModelBytes = std::int64_t{512} << 20;  ///< of all that a model's file holds
 

@@ -92,8 +92,8 @@ bool inflate(std::span<const std::uint8_t> stream, std::span<std::uint8_t> to) {
                                     nullptr) == LIBDEFLATE_SUCCESS;
 }
 
-std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
-  return libdeflate_crc32(0, bytes.data(), bytes.size());
+std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before) {
+  return libdeflate_crc32(before, bytes.data(), bytes.size());
 }
 
 std::vector<std::uint8_t> shuffled(std::span<const std::uint16_t> values) {

@@ -33,8 +33,8 @@ inline bool is_sum([[maybe_unused]] std::uint32_t found, [[maybe_unused]] std::u
 #endif
 }
 
-/// The sum of zips (CRC-32, RFC 1952).
-std::uint32_t crc32(std::span<const std::uint8_t> bytes);
+/// The sum of zips (CRC-32, RFC 1952); of bytes that follow others whose sum is `before`.
+std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
 /// The checksum of RFC 1950 (Adler-32).
 std::uint32_t adler32(std::span<const std::uint8_t> bytes);

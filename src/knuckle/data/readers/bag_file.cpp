@@ -2,10 +2,7 @@
 #include "knuckle/data/readers/bag_file.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <system_error>
-
-#include <unistd.h>
+#include <utility>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
@@ -58,22 +55,18 @@ std::uint32_t BagFields::u32(std::string_view name) const {
   return ByteCursor({reinterpret_cast<const std::uint8_t*>(value.data()), value.size()}, where_).u32();
 }
 
-BagFile::BagFile(std::filesystem::path path) : path_(std::move(path)), file_(path_) {
+BagFile::BagFile(std::filesystem::path file) : RecordingFile(std::move(file)) {
   const std::vector<std::uint8_t> start = read(0, std::min<std::uint64_t>(size(), first_record()));
   const std::string_view line(reinterpret_cast<const char*>(start.data()), start.size());
-  if (!line.starts_with(kBagSignature)) fail("{}: is not a ROS 1 bag (#ROSBAG V2.0)", path_.string());
+  if (!line.starts_with(kBagSignature)) fail("{}: is not a ROS 1 bag (#ROSBAG V2.0)", path().string());
   const std::string_view version = line.substr(kBagSignature.size());
   if (version != kBagVersion) {
-    fail("{}: is a ROS bag of version '{}', expected 2.0", path_.string(), printable(trimmed(version)));
+    fail("{}: is a ROS bag of version '{}', expected 2.0", path().string(), printable(trimmed(version)));
   }
 }
 
 std::uint64_t BagFile::first_record() const {
   return kBagSignature.size() + kBagVersion.size();
-}
-
-std::string BagFile::place(std::uint64_t at) const {
-  return fmt::format("{}: at byte {}", path_.string(), at);
 }
 
 BagRecord BagFile::record_at(std::uint64_t at, std::uint64_t end) const {
@@ -97,21 +90,6 @@ BagRecord BagFile::record_at(std::uint64_t at, std::uint64_t end) const {
   const std::uint64_t data_at = at + 8 + header_bytes;
   require_bytes(data_at, data_bytes);
   return {BagFields(read(at + 4, header_bytes), place(at)), data_at, data_bytes};
-}
-
-std::vector<std::uint8_t> BagFile::read(std::uint64_t at, std::uint64_t count) const {
-  if (at > size() || count > size() - at) fail("{}: {} bytes lie beyond the end", place(at), count);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(count));
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got =
-        ::pread(file_.descriptor(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail("{}: cannot read: {}", path_.string(), std::generic_category().message(errno));
-    if (got == 0) fail("{}: was changed while it was read: it was cut short", path_.string());
-    done += static_cast<std::size_t>(got);
-  }
-  return bytes;
 }
 
 }  // namespace knuckle

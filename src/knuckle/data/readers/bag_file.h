@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "knuckle/core/regular_file.h"
+#include "knuckle/data/readers/recording_file.h"
 
 namespace knuckle {
 
@@ -51,26 +51,16 @@ struct BagRecord {
 };
 
 /// A ROS 1 bag of format 2.0 as records at places. Safe to be read by many threads.
-class BagFile {
+class BagFile : public RecordingFile {
  public:
   /// Throws an Error that names the file where it is missing, not regular, or not a bag of this version.
   explicit BagFile(std::filesystem::path path);
 
-  const std::filesystem::path& path() const { return path_; }
-  std::uint64_t size() const { return file_.size(); }  ///< [bytes], when it was opened
-  std::uint64_t first_record() const;                  ///< where it is [bytes]
+  std::uint64_t first_record() const;  ///< where it is [bytes]
 
   /// The record at a place; it ends before `end`, or an Error says that the file is damaged or cut short.
   BagRecord record_at(std::uint64_t at, std::uint64_t end) const;
   BagRecord record_at(std::uint64_t at) const { return record_at(at, size()); }
-  /// Throws, before memory is taken, where the file does not hold these bytes.
-  std::vector<std::uint8_t> read(std::uint64_t at, std::uint64_t count) const;
-  /// "file: at byte 13", for messages.
-  std::string place(std::uint64_t at) const;
-
- private:
-  std::filesystem::path path_;
-  RegularFile file_;
 };
 
 }  // namespace knuckle

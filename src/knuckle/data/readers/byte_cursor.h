@@ -14,6 +14,7 @@ class ByteCursor {
   ByteCursor(std::span<const std::uint8_t> bytes, std::string_view where) : bytes_(bytes), where_(where) {}
 
   std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
   std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
   std::uint64_t u64() { return number(8); }
   float f32();

@@ -11,6 +11,8 @@
 #include "knuckle/data/readers/hands17_source.h"
 #include "knuckle/data/readers/icg_source.h"
 #include "knuckle/data/readers/icvl_source.h"
+#include "knuckle/data/readers/mcap_source.h"
+#include "knuckle/data/readers/mkv_source.h"
 #include "knuckle/data/readers/msra15_source.h"
 #include "knuckle/data/readers/nyu_source.h"
 #include "knuckle/data/readers/rosbag_source.h"
@@ -43,6 +45,10 @@ constexpr std::array kKinds{
                 open_with_options<FakenectSource, FakenectOptions>},
     DatasetKind{"rosbag", "depth topic of a ROS 1 bag, RealSense's too",
                 open_with_options<RosbagSource, RosbagOptions>},
+    DatasetKind{"mcap", "depth topic of a ROS 2 recording (MCAP)",
+                open_with_options<McapSource, McapOptions>},
+    DatasetKind{"mkv", "recording of an Azure Kinect (k4arecorder)",
+                open_with_options<MkvSource, MkvOptions>},
 };
 
 }  // namespace

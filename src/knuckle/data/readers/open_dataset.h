@@ -18,8 +18,8 @@ struct DatasetKind {
       const SourceSpec&);  ///< opens all frames; the selection is not its matter
 };
 
-/// All kinds of this module: folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag. Layers above may
-/// know more.
+/// All kinds of this module: folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap. Layers
+/// above may know more.
 std::span<const DatasetKind> dataset_kinds();
 
 /// Opens the frames of that kind that `spec` selects.

@@ -13,8 +13,6 @@
 namespace knuckle {
 namespace {
 
-constexpr std::size_t kKeptChunks = 4;
-constexpr std::uint64_t kKeptBytes = std::uint64_t{64} << 20;
 constexpr auto kMostBytes = static_cast<std::uint64_t>(limits::kRecordingChunkBytes);
 constexpr std::uint32_t kIndexVersion = 1;
 constexpr std::uint32_t kIndexEntryBytes = 12;  // seconds, nanoseconds, offset
@@ -34,10 +32,6 @@ Rosbag::Rosbag(std::filesystem::path path) : file_(std::move(path)) {
     fail("{}: the bag is cut short or damaged: has {} chunks and {} connections, expected {} and {}",
          file_.path().string(), chunks_.size(), connections_.size(), chunk_count_, connection_count_);
   }
-}
-
-std::string Rosbag::place(std::string_view topic) const {
-  return fmt::format("{}: topic {}", file_.path().string(), topic);
 }
 
 /// Returns where the next record is.
@@ -122,7 +116,7 @@ void Rosbag::add_listing(const BagRecord& record) {
       {record.fields.u32("conn"), static_cast<std::uint32_t>(chunks_.size() - 1), record.data_at, count});
 }
 
-void Rosbag::append_messages(const Listing& listing, std::vector<BagMessage>& messages) const {
+void Rosbag::append_messages(const Listing& listing, std::vector<RecordedMessage>& messages) const {
   const std::vector<std::uint8_t> bytes =
       file_.read(listing.at, std::uint64_t{listing.count} * kIndexEntryBytes);
   ByteCursor cursor(bytes, "");
@@ -133,34 +127,34 @@ void Rosbag::append_messages(const Listing& listing, std::vector<BagMessage>& me
   }
 }
 
-std::vector<BagMessage> Rosbag::messages_of(std::string_view topic) const {
+std::vector<RecordedMessage> Rosbag::messages_of(std::string_view topic) const {
   std::set<std::uint32_t> numbers;
   for (const BagConnection& connection : connections_) {
     if (connection.topic == topic) numbers.insert(connection.number);
   }
-  std::vector<BagMessage> messages;
+  std::vector<RecordedMessage> messages;
   for (const std::uint32_t number : numbers) {
     auto listing = std::ranges::lower_bound(listings_, number, {}, &Listing::connection);
     for (; listing != listings_.end() && listing->connection == number; ++listing)
       append_messages(*listing, messages);
   }
   std::ranges::stable_sort(
-      messages, {}, [](const BagMessage& message) { return std::pair(message.chunk, message.offset); });
+      messages, {}, [](const RecordedMessage& message) { return std::pair(message.chunk, message.offset); });
   return messages;
 }
 
-std::vector<std::uint8_t> Rosbag::read(const BagMessage& message, std::uint64_t most_bytes) const {
+std::vector<std::uint8_t> Rosbag::read(const RecordedMessage& message, std::uint64_t most_bytes) const {
   return chunks_.at(message.chunk).packing == Packing::none ? read_plain(message, most_bytes)
                                                             : read_packed(message, most_bytes);
 }
 
-void Rosbag::require_message(const BagFields& fields, const BagMessage& message,
+void Rosbag::require_message(const BagFields& fields, const RecordedMessage& message,
                              std::string_view where) const {
   if (fields.kind() != BagRecordKind::message || fields.u32("conn") != message.connection)
     fail("{}: the bag is damaged: not the message that its index says", where);
 }
 
-std::vector<std::uint8_t> Rosbag::read_plain(const BagMessage& message, std::uint64_t most_bytes) const {
+std::vector<std::uint8_t> Rosbag::read_plain(const RecordedMessage& message, std::uint64_t most_bytes) const {
   const Chunk& chunk = chunks_.at(message.chunk);
   const std::uint64_t at = chunk.at + message.offset;
   const BagRecord record = file_.record_at(at, chunk.at + chunk.packed_bytes);
@@ -171,11 +165,12 @@ std::vector<std::uint8_t> Rosbag::read_plain(const BagMessage& message, std::uin
   return file_.read(record.data_at, std::min(record.data_bytes, most_bytes));
 }
 
-std::vector<std::uint8_t> Rosbag::read_packed(const BagMessage& message, std::uint64_t most_bytes) const {
-  const std::shared_ptr<const Unpacked> chunk = unpacked_chunk(message.chunk);
+std::vector<std::uint8_t> Rosbag::read_packed(const RecordedMessage& message,
+                                              std::uint64_t most_bytes) const {
+  const std::shared_ptr<const ChunkCache::Bytes> chunk = unpacked_chunk(message.chunk);
   const std::string where =
       fmt::format("{}, {} bytes into its chunk", file_.place(chunks_[message.chunk].at), message.offset);
-  ByteCursor cursor(chunk->bytes, where);
+  ByteCursor cursor(*chunk, where);
   cursor.skip(message.offset);
   const BagFields fields(cursor.take(cursor.u32()), where);
   require_message(fields, message, where);
@@ -184,33 +179,12 @@ std::vector<std::uint8_t> Rosbag::read_packed(const BagMessage& message, std::ui
   return {content.begin(), content.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// The place of a chunk among those that are kept; whoever comes first unpacks it.
-std::shared_ptr<Rosbag::Unpacked> Rosbag::kept_chunk(std::uint32_t number) const {
-  const std::lock_guard lock(is_looking_);
-  const auto found = std::ranges::find(kept_, number, &Kept::chunk);
-  if (found != kept_.end()) {
-    std::rotate(found, found + 1, kept_.end());
-    return kept_.back().unpacked;
-  }
-  kept_.push_back({number, std::make_shared<Unpacked>()});
-  const auto bytes = [&] {
-    std::uint64_t sum = 0;
-    for (const Kept& kept : kept_) sum += chunks_[kept.chunk].bytes;
-    return sum;
-  };
-  while (kept_.size() > 1 && (kept_.size() > kKeptChunks || bytes() > kKeptBytes)) kept_.erase(kept_.begin());
-  return kept_.back().unpacked;
-}
-
-std::shared_ptr<const Rosbag::Unpacked> Rosbag::unpacked_chunk(std::uint32_t number) const {
+std::shared_ptr<const ChunkCache::Bytes> Rosbag::unpacked_chunk(std::uint32_t number) const {
   const Chunk& chunk = chunks_.at(number);
-  std::shared_ptr<Unpacked> unpacked = kept_chunk(number);
-  const std::lock_guard lock(unpacked->is_unpacking);
-  if (unpacked->bytes.empty() && chunk.bytes > 0) {
-    unpacked->bytes =
-        unpack(file_.read(chunk.at, chunk.packed_bytes), chunk.packing, chunk.bytes, file_.place(chunk.at));
-  }
-  return unpacked;
+  return unpacked_.get(number, chunk.bytes, [&] {
+    return unpack(file_.read(chunk.at, chunk.packed_bytes), chunk.packing, chunk.bytes,
+                  file_.place(chunk.at));
+  });
 }
 
 }  // namespace knuckle

@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "knuckle/data/readers/bag_file.h"
+#include "knuckle/data/readers/chunk_cache.h"
+#include "knuckle/data/readers/ros_recording.h"
 #include "knuckle/data/readers/unpack.h"
 
 namespace knuckle {
@@ -19,14 +20,6 @@ struct BagConnection {
   std::uint32_t number = 0;  ///< by which messages name it
   std::string topic;         ///< as in "/camera/depth/image_raw"
   std::string type;          ///< as in "sensor_msgs/Image"
-};
-
-/// Where a message is.
-struct BagMessage {
-  std::uint32_t connection = 0;
-  std::uint32_t chunk = 0;   ///< which of the bag's
-  std::uint32_t offset = 0;  ///< in the unpacked chunk [bytes]
-  double recorded_s = 0.0;   ///< when it was recorded [s]
 };
 
 /// A ROS 1 bag of format 2.0: topics, and messages at random. Opening reads the headers of all records and
@@ -41,12 +34,10 @@ class Rosbag {
   const std::filesystem::path& path() const { return file_.path(); }
   const std::vector<BagConnection>& connections() const { return connections_; }
   /// All messages of a topic, in the order of the file.
-  std::vector<BagMessage> messages_of(std::string_view topic) const;
+  std::vector<RecordedMessage> messages_of(std::string_view topic) const;
   /// The content of a message, or its first bytes where it has more than `most_bytes`.
-  std::vector<std::uint8_t> read(const BagMessage& message,
+  std::vector<std::uint8_t> read(const RecordedMessage& message,
                                  std::uint64_t most_bytes = ~std::uint64_t{0}) const;
-  /// "file: topic /camera/depth/image_raw", for messages.
-  std::string place(std::string_view topic) const;
 
  private:
   struct Chunk {
@@ -62,26 +53,16 @@ class Rosbag {
     std::uint64_t at = 0;
     std::uint32_t count = 0;
   };
-  struct Unpacked {
-    std::mutex is_unpacking;
-    std::vector<std::uint8_t> bytes;
-  };
-  struct Kept {
-    std::uint32_t chunk = 0;
-    std::shared_ptr<Unpacked> unpacked;
-  };
-
   std::uint64_t read_bag_header();
   void read_records(std::uint64_t at);
   void add_connection(const BagRecord& record);
   void add_chunk(const BagRecord& record);
   void add_listing(const BagRecord& record);
-  void append_messages(const Listing& listing, std::vector<BagMessage>& messages) const;
-  std::shared_ptr<Unpacked> kept_chunk(std::uint32_t number) const;
-  std::shared_ptr<const Unpacked> unpacked_chunk(std::uint32_t number) const;
-  std::vector<std::uint8_t> read_plain(const BagMessage& message, std::uint64_t most_bytes) const;
-  std::vector<std::uint8_t> read_packed(const BagMessage& message, std::uint64_t most_bytes) const;
-  void require_message(const BagFields& fields, const BagMessage& message, std::string_view where) const;
+  void append_messages(const Listing& listing, std::vector<RecordedMessage>& messages) const;
+  std::shared_ptr<const ChunkCache::Bytes> unpacked_chunk(std::uint32_t number) const;
+  std::vector<std::uint8_t> read_plain(const RecordedMessage& message, std::uint64_t most_bytes) const;
+  std::vector<std::uint8_t> read_packed(const RecordedMessage& message, std::uint64_t most_bytes) const;
+  void require_message(const BagFields& fields, const RecordedMessage& message, std::string_view where) const;
 
   BagFile file_;
   std::uint32_t connection_count_ = 0;  ///< as the file's beginning says
@@ -89,8 +70,7 @@ class Rosbag {
   std::vector<BagConnection> connections_;
   std::vector<Chunk> chunks_;
   std::vector<Listing> listings_;  ///< by connection
-  mutable std::mutex is_looking_;
-  mutable std::vector<Kept> kept_;  ///< the last that was asked for comes last
+  ChunkCache unpacked_;
 };
 
 }  // namespace knuckle

@@ -5,14 +5,12 @@
 #include <limits>
 #include <thread>
 
-#include <bzlib.h>
-#include <lz4frame.h>
-
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/open_dataset.h"
+#include "knuckle/data/readers/recording_testing.h"
 #include "knuckle/data/readers/rosbag_source.h"
 
 namespace knuckle {
@@ -24,36 +22,12 @@ using testing::error_of;
 using ::testing::HasSubstr;
 using testing::put_file;
 
-template <class T>
-std::string little(T value) {
-  std::string bytes;
-  for (std::size_t i = 0; i < sizeof(T); ++i)
-    bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xFF);
-  return bytes;
-}
-
-std::string little_double(double value) {
-  return little(std::bit_cast<std::uint64_t>(value));
-}
-
-std::string with_length(const std::string& bytes) {
-  return little(static_cast<std::uint32_t>(bytes.size())) + bytes;
-}
-
-std::string packed(const std::string& bytes, const std::string& compression) {
-  if (compression == "bz2") {
-    std::string out(bytes.size() + bytes.size() / 50 + 1000, '\0');
-    auto length = static_cast<unsigned>(out.size());
-    BZ2_bzBuffToBuffCompress(out.data(), &length, const_cast<char*>(bytes.data()),
-                             static_cast<unsigned>(bytes.size()), 9, 0, 0);
-    return out.substr(0, length);
-  }
-  if (compression == "lz4") {
-    std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
-    return out.substr(0, LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
-  }
-  return bytes;
-}
+using testing::little;
+using testing::little_double;
+using testing::packed;
+using testing::TestCameraInfo;
+using testing::TestImage;
+using testing::with_length;
 
 using BagTestFields = std::vector<std::pair<std::string, std::string>>;
 
@@ -154,39 +128,11 @@ std::string message_header(double stamp_s) {
   return little(std::uint32_t{7}) + bag_time(stamp_s) + with_length("camera_frame");
 }
 
-struct TestImage {
-  std::uint32_t width = 8;
-  std::uint32_t height = 6;
-  std::string encoding = "16UC1";
-  bool is_big_endian = false;
-  std::uint32_t padding = 0;  ///< bytes at the end of each row
-  double stamp_s = 0.0;
-};
-
-/// Pixel (column, row) of a 16-bit image is `first` + column + 10 row.
 std::string image_message(const TestImage& image, int first) {
-  std::string pixels;
-  for (std::uint32_t row = 0; row < image.height; ++row) {
-    for (std::uint32_t column = 0; column < image.width; ++column) {
-      std::string pixel = little(static_cast<std::uint16_t>(first + static_cast<int>(column + 10 * row)));
-      if (image.is_big_endian) std::swap(pixel[0], pixel[1]);
-      pixels += pixel;
-    }
-    pixels += std::string(image.padding, '\x55');
-  }
   return message_header(image.stamp_s) + little(image.height) + little(image.width) +
          with_length(image.encoding) + little(static_cast<std::uint8_t>(image.is_big_endian)) +
-         little(2 * image.width + image.padding) + with_length(pixels);
+         little(image.step()) + with_length(testing::pixels_of(image, first));
 }
-
-struct TestCameraInfo {
-  std::uint32_t width = 8;
-  std::uint32_t height = 6;
-  std::string model = "plumb_bob";
-  std::vector<double> d{0.1, -0.2, 0.003, 0.004, 0.05};
-  std::array<double, 9> k{7.5, 0, 3.25, 0, 7.25, 2.5, 0, 0, 1};
-  std::array<double, 12> p{7.0, 0, 3.0, 0, 0, 6.5, 2.0, 0, 0, 0, 1, 0};
-};
 
 std::string camera_message(const TestCameraInfo& info) {
   std::string bytes = message_header(1.0) + little(info.height) + little(info.width) +

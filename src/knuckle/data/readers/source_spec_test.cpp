@@ -85,7 +85,7 @@ TEST(SourceSpec, UnknownKeysAndBadValuesAreErrors) {
 TEST(OpenDataset, ListsTheKindsWhereOneIsUnknown) {
   EXPECT_THAT(error_of([] { open_dataset("nyuu:/x"); }),
               AllOf(HasSubstr("unknown kind 'nyuu'"),
-                    HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag")));
+                    HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv")));
 }
 
 TEST(OpenDataset, EveryKindNamesAMissingPath) {

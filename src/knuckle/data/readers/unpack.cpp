@@ -5,6 +5,7 @@
 
 #include <bzlib.h>
 #include <lz4frame.h>
+#include <zstd.h>
 
 #include "knuckle/core/error.h"
 
@@ -70,6 +71,28 @@ class Lz4Unpacker {
   LZ4F_dctx* context_ = nullptr;
 };
 
+class ZstdUnpacker {
+ public:
+  ZstdUnpacker() : stream_(ZSTD_createDStream()) {
+    if (stream_ == nullptr) throw std::bad_alloc();
+  }
+  ZstdUnpacker(const ZstdUnpacker&) = delete;
+  ZstdUnpacker& operator=(const ZstdUnpacker&) = delete;
+  ~ZstdUnpacker() { ZSTD_freeDStream(stream_); }
+
+  /// The library refuses frames that want more than 128 MiB to look back upon.
+  UnpackStep step(PackedBytes from, std::span<std::uint8_t> to) {
+    ZSTD_inBuffer in{from.data(), from.size(), 0};
+    ZSTD_outBuffer out{to.data(), to.size(), 0};
+    const std::size_t status = ZSTD_decompressStream(stream_, &out, &in);
+    if (ZSTD_isError(status) != 0) return {0, 0, false, true};
+    return {in.pos, out.pos, status == 0, false};
+  }
+
+ private:
+  ZSTD_DStream* stream_;
+};
+
 template <class Unpacker>
 std::vector<std::uint8_t> unpack_with(PackedBytes packed, std::uint64_t count, std::string_view where) {
   constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
@@ -102,6 +125,7 @@ std::vector<std::uint8_t> unpack(PackedBytes packed, Packing packing, std::uint6
                                  std::string_view where) {
   if (packing == Packing::bz2) return unpack_with<Bz2Unpacker>(packed, count, where);
   if (packing == Packing::lz4) return unpack_with<Lz4Unpacker>(packed, count, where);
+  if (packing == Packing::zstd) return unpack_with<ZstdUnpacker>(packed, count, where);
   if (packed.size() != count) fail("{}: has {} bytes, expected {}", where, packed.size(), count);
   return {packed.begin(), packed.end()};
 }

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Helpers of the tests of recordings only.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <bzlib.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+namespace knuckle::testing {
+
+/// A whole number, its lowest byte first.
+template <class T>
+std::string little(T value) {
+  std::string bytes;
+  for (std::size_t i = 0; i < sizeof(T); ++i)
+    bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xFF);
+  return bytes;
+}
+
+inline std::string little_double(double value) {
+  return little(std::bit_cast<std::uint64_t>(value));
+}
+
+inline std::string with_length(const std::string& bytes) {
+  return little(static_cast<std::uint32_t>(bytes.size())) + bytes;
+}
+
+inline std::string packed(const std::string& bytes, const std::string& compression) {
+  if (compression == "bz2") {
+    std::string out(bytes.size() + bytes.size() / 50 + 1000, '\0');
+    auto length = static_cast<unsigned>(out.size());
+    BZ2_bzBuffToBuffCompress(out.data(), &length, const_cast<char*>(bytes.data()),
+                             static_cast<unsigned>(bytes.size()), 9, 0, 0);
+    return out.substr(0, length);
+  }
+  if (compression == "zstd") {
+    std::string out(ZSTD_compressBound(bytes.size()), '\0');
+    return out.substr(0, ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3));
+  }
+  if (compression == "lz4") {
+    std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
+    return out.substr(0, LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+  }
+  return bytes;
+}
+
+struct TestImage {
+  std::uint32_t width = 8;
+  std::uint32_t height = 6;
+  std::string encoding = "16UC1";
+  bool is_big_endian = false;
+  std::uint32_t padding = 0;  ///< bytes at the end of each row
+  double stamp_s = 0.0;
+
+  std::uint32_t step() const { return 2 * width + padding; }
+};
+
+/// The rows of a 16-bit image: pixel (column, row) is `first` + column + 10 row.
+inline std::string pixels_of(const TestImage& image, int first) {
+  std::string pixels;
+  for (std::uint32_t row = 0; row < image.height; ++row) {
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      std::string pixel = little(static_cast<std::uint16_t>(first + static_cast<int>(column + 10 * row)));
+      if (image.is_big_endian) std::swap(pixel[0], pixel[1]);
+      pixels += pixel;
+    }
+    pixels += std::string(image.padding, '\x55');
+  }
+  return pixels;
+}
+
+struct TestCameraInfo {
+  std::uint32_t width = 8;
+  std::uint32_t height = 6;
+  std::string model = "plumb_bob";
+  std::vector<double> d{0.1, -0.2, 0.003, 0.004, 0.05};
+  std::array<double, 9> k{7.5, 0, 3.25, 0, 7.25, 2.5, 0, 0, 1};
+  std::array<double, 12> p{7.0, 0, 3.0, 0, 0, 6.5, 2.0, 0, 0, 0, 1, 0};
+};
+
+}  // namespace knuckle::testing
