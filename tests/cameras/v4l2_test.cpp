@@ -61,7 +61,9 @@ class V4l2Test : public ::testing::Test {
  protected:
   V4l2Test() : demo_(open_source(kDemo)) {
     camera_ = demo_->read(0).camera;
-    write_text_file(folder_ / "camera.toml", folder_description_as_toml({.camera = camera_}));
+    FolderDescription description;
+    description.camera = camera_;
+    write_text_file(folder_ / "camera.toml", folder_description_as_toml(description));
     settings_ = {{"device", kPath},
                  {"frames", path("frames")},
                  {"sizes", fmt::format("848x480,{}x{}", camera_.width, camera_.height)}};
@@ -275,6 +277,42 @@ TEST_F(V4l2Test, IntrinsicsHaveToBeKnown) {
   ASSERT_THAT(run({"record", "--source", fmt::format("v4l2:{}?fov_deg=87", kPath), "--out", path("take.h5"), "--frames", "1"}), Succeeded());
   EXPECT_DOUBLE_EQ(take()->read(0).camera.cx, (camera_.width - 1) / 2.0);
   EXPECT_THAT(run_program({"inspect", "--source", camera()}), FailedWith("is a camera, for `live` and `record`"));
+}
+
+TEST_F(V4l2Test, CamerasListsWhatIsConnected) {
+  settings_["formats"] = "YUYV,Z16";
+  settings_["card"] = "Depth\tcamera";
+  ProgramRun listed = run({"cameras"});
+  ASSERT_THAT(listed, Succeeded());
+  EXPECT_THAT(listed.out, HasSubstr("v4l2:/dev/video42"));
+  EXPECT_THAT(listed.out, HasSubstr("Depth\\tcamera"));
+  EXPECT_THAT(listed.out, HasSubstr(" Z16\n"));
+  EXPECT_THAT(listed.out, Not(HasSubstr("no depth camera is connected")));
+  settings_["formats"] = "YUYV";
+  listed = run({"cameras"});
+  EXPECT_THAT(listed.out, AllOf(HasSubstr(" no depth\n"), HasSubstr("no depth camera is connected")));
+  settings_["open_error"] = std::to_string(EACCES);
+  listed = run({"cameras"});
+  ASSERT_THAT(listed, Succeeded());
+  EXPECT_THAT(listed.out, HasSubstr("add the user to the group video"));
+}
+
+TEST_F(V4l2Test, ACheckSaysHowGoodItIs) {
+  send(8);
+  settings_["end"] = "stall";
+  ProgramRun checked = run({"cameras", "--check", camera(), "--frames", "8"});
+  ASSERT_THAT(checked, Succeeded());
+  EXPECT_THAT(checked.out, HasSubstr(fmt::format("frames       8, {} x {} px, 50.0 per second, 0 lost", camera_.width, camera_.height)));
+  EXPECT_THAT(checked.out, HasSubstr("format       Z16 "));
+  EXPECT_THAT(checked.out, HasSubstr("intrinsics   from "));
+  settings_["sizes"] = fmt::format("{}x{}", camera_.width, camera_.height);
+  checked = run({"cameras", "--check", fmt::format("v4l2:{}?depth_unit_mm=100", kPath), "--frames", "3"});
+  ASSERT_EQ(checked.status, 0);
+  EXPECT_THAT(checked.out, HasSubstr("intrinsics   not known"));
+  EXPECT_THAT(checked.error, HasSubstr("warning: its intrinsics are not known: say them by ?camera=FILE.toml"));
+  EXPECT_THAT(checked.error, HasSubstr("is the unit wrong?"));
+  EXPECT_THAT(run({"cameras", "--check", camera("&timeout_s=0.2"), "--frames", "20"}), FailedWith("has sent no whole frame"));
+  EXPECT_THAT(run({"cameras", "--check", "webcam:0"}), FailedWith("unknown kind of camera 'webcam'"));
 }
 
 }  // namespace

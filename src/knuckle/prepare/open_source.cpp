@@ -22,6 +22,7 @@ std::unique_ptr<FrameSource> open_manifest(const SourceSpec& spec) {
 /// The data sets', and the generator's.
 std::vector<DatasetKind> all_kinds() {
   std::vector<DatasetKind> kinds(dataset_kinds().begin(), dataset_kinds().end());
+  kinds.push_back({"oni", "recording of OpenNI2, one .oni file", open_oni});
   kinds.push_back({"synthetic", "frames rendered as a manifest says, as they are read", open_manifest});
   return kinds;
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "knuckle/data/frame_source.h"
 #include "knuckle/data/source_spec.h"
 #include "knuckle/stream/camera_stream.h"
 
@@ -39,5 +40,8 @@ bool names_a_camera(std::string_view text);
 /// cannot be.
 std::unique_ptr<CameraStream> open_camera(std::string_view text,
                                           UnknownIntrinsics unknown = UnknownIntrinsics::refuse);
+
+/// Opens a recording of OpenNI2, `oni:FILE[?camera=FILE.toml]`. Throws an Error where it cannot be read.
+std::unique_ptr<FrameSource> open_oni(const SourceSpec& spec);
 
 }  // namespace knuckle

@@ -85,7 +85,9 @@ void V4l2Capture::map_buffers() {
 
 void V4l2Capture::queue(std::uint32_t index) const {
   v4l2_buffer buffer = buffer_numbered(index);
-  device_.request(VIDIOC_QBUF, buffer, kReading);
+  const int error = device_.try_request(VIDIOC_QBUF, buffer);
+  // One that is gone by now has still given its last frame; whoever waits for the next is told.
+  if (error != 0 && !is_gone(error)) device_.fail_with(error, kReading);
 }
 
 std::optional<V4l2Frame> V4l2Capture::next(std::chrono::milliseconds longest) {
