@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A video device that is not there. Loaded before all other libraries (LD_PRELOAD), this one answers what a program
-// asks of the devices that the file $KNUCKLE_FAKE_V4L2 describes; all else goes to the system. The memory that
-// frames lie in is a real file in memory, so mmap needs no help.
+// A video device that is not there. Loaded before all other libraries (LD_PRELOAD), this one answers what a
+// program asks of the devices that the file $KNUCKLE_FAKE_V4L2 describes; all else goes to the system. The
+// memory that frames lie in is a real file in memory, so mmap needs no help.
 //
 // The file has a line `KEY VALUE` per setting:
 //
@@ -142,7 +142,8 @@ class World {
     if (const int error = scenario.number("open_error")) return failed(error);
     if (is_unplugged_) {
       const int back_ms = scenario.number("back_after_ms");
-      if (back_ms == 0 || Clock::now() < unplugged_ + std::chrono::milliseconds(back_ms)) return failed(ENOENT);
+      if (back_ms == 0 || Clock::now() < unplugged_ + std::chrono::milliseconds(back_ms))
+        return failed(ENOENT);
       is_unplugged_ = false;
     }
     const int descriptor = ::memfd_create("fake_v4l2", MFD_CLOEXEC);
@@ -171,7 +172,8 @@ class World {
   }
   bool has_ended(const Device& device) const { return device.next_frame >= frame_count(device); }
   Clock::time_point due(const Device& device) const {
-    return device.started + std::chrono::milliseconds(scenario.number("interval_ms", 20)) * (device.next_frame + 1);
+    return device.started +
+           std::chrono::milliseconds(scenario.number("interval_ms", 20)) * (device.next_frame + 1);
   }
   void skip_lost(Device& device) const {
     while (!has_ended(device) && scenario.lists("lose", device.next_frame)) ++device.next_frame;
@@ -248,7 +250,8 @@ void set_rate(const World& world, Device& device, v4l2_streamparm& setting) {
 int give_frame(World& world, int descriptor, Device& device, v4l2_buffer& buffer) {
   if (world.is_gone(device)) return World::failed(ENODEV);
   world.skip_lost(device);
-  if (world.has_ended(device) || device.queued.empty() || Clock::now() < world.due(device)) return World::failed(EAGAIN);
+  if (world.has_ended(device) || device.queued.empty() || Clock::now() < world.due(device))
+    return World::failed(EAGAIN);
   const std::uint32_t index = device.queued.front();
   device.queued.erase(device.queued.begin());
   const std::size_t row = 2 * device.size.width;
@@ -262,7 +265,8 @@ int give_frame(World& world, int descriptor, Device& device, v4l2_buffer& buffer
   buffer.index = index;
   buffer.bytesused = static_cast<std::uint32_t>(world.buffer_bytes(device));
   buffer.sequence = static_cast<std::uint32_t>(device.next_frame);
-  buffer.flags = world.scenario.text("clock", "monotonic") == "monotonic" ? V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC : 0;
+  buffer.flags =
+      world.scenario.text("clock", "monotonic") == "monotonic" ? V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC : 0;
   if (world.scenario.lists("damage", device.next_frame)) buffer.flags |= V4L2_BUF_FLAG_ERROR;
   const auto taken_us =
       std::chrono::duration_cast<std::chrono::microseconds>(world.due(device).time_since_epoch()).count();
@@ -279,7 +283,8 @@ int answer(World& world, int descriptor, Device& device, unsigned long request, 
       const std::string card = world.scenario.text("card", "Fake depth camera");
       std::memcpy(capability.card, card.c_str(), std::min(card.size() + 1, sizeof capability.card));
       capability.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_DEVICE_CAPS;
-      capability.device_caps = V4L2_CAP_STREAMING | (world.scenario.number("no_capture") ? 0 : V4L2_CAP_VIDEO_CAPTURE);
+      capability.device_caps =
+          V4L2_CAP_STREAMING | (world.scenario.number("no_capture") ? 0 : V4L2_CAP_VIDEO_CAPTURE);
       return 0;
     }
     case VIDIOC_ENUM_FMT:
@@ -389,7 +394,8 @@ int ioctl(int descriptor, unsigned long request, ...) noexcept {
   World& world = World::get();
   {
     const std::lock_guard lock(world.mutex);
-    if (Device* const device = world.find(descriptor)) return answer(world, descriptor, *device, request, argument);
+    if (Device* const device = world.find(descriptor))
+      return answer(world, descriptor, *device, request, argument);
   }
   return next_of<int (*)(int, unsigned long, ...)>("ioctl")(descriptor, request, argument);
 }
@@ -404,7 +410,8 @@ int poll(pollfd* waiting, nfds_t count, int timeout_ms) {
       if (device == nullptr) break;
       world.skip_lost(*device);
       waiting->revents = world.is_gone(*device) ? POLLERR | POLLHUP : 0;
-      const bool is_ready = !world.has_ended(*device) && !device->queued.empty() && Clock::now() >= world.due(*device);
+      const bool is_ready =
+          !world.has_ended(*device) && !device->queued.empty() && Clock::now() >= world.due(*device);
       if (is_ready) waiting->revents = POLLIN;
       if (waiting->revents != 0) return 1;
     }

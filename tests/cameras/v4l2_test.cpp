@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras of Video4Linux, played to the program by a library that answers for the kernel (fake_v4l2.cpp).
+#include "environment_variable.h"
 #include "program.h"
 
-#include <cstdlib>
 #include <map>
 #include <sstream>
 
@@ -22,31 +22,6 @@ using ::testing::Not;
 
 constexpr const char* kDemo = "synthetic:manifests/demo.toml";
 constexpr const char* kPath = "/dev/video42";
-
-/// A variable of the environment, for programs that are started during its life.
-class EnvironmentVariable {
- public:
-  EnvironmentVariable(const char* name, const std::string& value) : name_(name) {
-    if (const char* const before = std::getenv(name)) before_ = before;
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~EnvironmentVariable() {
-    if (before_) ::setenv(name_, before_->c_str(), 1);
-    else ::unsetenv(name_);
-  }
-  EnvironmentVariable(const EnvironmentVariable&) = delete;
-  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
-std::string with_address_sanitizer() {
-  const char* const before = std::getenv("ASAN_OPTIONS");
-  // Our library has to come before its.
-  return std::string(before == nullptr ? "" : before) + ":verify_asan_link_order=0";
-}
 
 std::string bytes_of(const Image<std::uint16_t>& image) {
   std::string bytes;
@@ -88,11 +63,12 @@ class V4l2Test : public ::testing::Test {
     write_text_file(folder_ / "scenario", text);
     const EnvironmentVariable scenario("KNUCKLE_FAKE_V4L2", path("scenario"));
     const EnvironmentVariable library("LD_PRELOAD", KNUCKLE_FAKE_V4L2);
-    const EnvironmentVariable sanitizer("ASAN_OPTIONS", with_address_sanitizer());
+    const EnvironmentVariable sanitizer("ASAN_OPTIONS", sanitizer_beside_a_library());
     return run_program_until(is_time, arguments, SIGINT);
   }
   ProgramRun record(int frames, const std::string& settings = "") {
-    return run({"record", "--source", camera(settings), "--out", path("take.h5"), "--frames", std::to_string(frames)});
+    return run({"record", "--source", camera(settings), "--out", path("take.h5"), "--frames",
+                std::to_string(frames)});
   }
   ProgramRun fail_to_record(const std::string& source) {
     return run({"record", "--source", source, "--out", path("none.h5"), "--frames", "1"});
@@ -122,12 +98,13 @@ TEST_F(V4l2Test, WhatTheDeviceGivesIsRecordedToTheBit) {
 TEST_F(V4l2Test, LiveFindsInThemWhatItFindsInTheSameFilesFrames) {
   send(8);
   settings_["interval_ms"] = "300";
-  ASSERT_THAT(run({"live", "--source", camera(), "--pipeline", "pipelines/free_hand.toml", "--records", path("live.jsonl"), "--record",
-                   path("take.h5"), "--frames", "4"}),
+  ASSERT_THAT(run({"live", "--source", camera(), "--pipeline", "pipelines/free_hand.toml", "--records",
+                   path("live.jsonl"), "--record", path("take.h5"), "--frames", "4"}),
               Succeeded());
-  ASSERT_THAT(run_program({"estimate", "--source", "h5:" + path("take.h5"), "--pipeline", "pipelines/free_hand.toml", "--out",
-                           path("poses.txt"), "--records", path("file.jsonl")}),
-              Succeeded());
+  ASSERT_THAT(
+      run_program({"estimate", "--source", "h5:" + path("take.h5"), "--pipeline", "pipelines/free_hand.toml",
+                   "--out", path("poses.txt"), "--records", path("file.jsonl")}),
+      Succeeded());
   std::map<std::int64_t, FrameRecord> of_file;
   std::istringstream file(read_text_file(folder_ / "file.jsonl"));
   for (std::string line; std::getline(file, line);) {
@@ -190,7 +167,8 @@ TEST_F(V4l2Test, UnpluggedItIsOneLineAndWhatCameIsKept) {
   EXPECT_EQ(take()->size(), 3);
   EXPECT_THAT(run({"live", "--source", camera(), "--pipeline", "pipelines/free_hand.toml", "--records", "-"}),
               AllOf(::testing::Field(&ProgramRun::status, 1),
-                    ::testing::Field(&ProgramRun::error, HasSubstr("knuckle: v4l2:/dev/video42: the camera was unplugged\n"))));
+                    ::testing::Field(&ProgramRun::error,
+                                     HasSubstr("knuckle: v4l2:/dev/video42: the camera was unplugged\n"))));
 }
 
 TEST_F(V4l2Test, ACameraThatComesBackGoesOnInANewSequence) {
@@ -224,9 +202,12 @@ TEST_F(V4l2Test, CtrlCEndsItCleanly) {
   send(20);
   settings_["interval_ms"] = "10";
   const std::string partial = path("take.h5.partial");
-  const auto has_begun = [&] { return std::filesystem::exists(partial) && std::filesystem::file_size(partial) > 1000; };
+  const auto has_begun = [&] {
+    return std::filesystem::exists(partial) && std::filesystem::file_size(partial) > 1000;
+  };
   // 20 frames come, then none: Ctrl-C has to end the waiting.
-  const ProgramRun ended = run({"record", "--source", camera("&timeout_s=600"), "--out", path("take.h5")}, has_begun);
+  const ProgramRun ended =
+      run({"record", "--source", camera("&timeout_s=600"), "--out", path("take.h5")}, has_begun);
   EXPECT_THAT(ended, Succeeded());
   EXPECT_GE(take()->size(), 1);
   EXPECT_EQ(take()->read(0).depth_mm, depth_from_counts(counts(0), 1.0));
@@ -243,8 +224,10 @@ TEST_F(V4l2Test, WhatCannotBeOpenedSaysWhatToDo) {
   EXPECT_THAT(fault_at_opening(ENODEV), FailedWith("is it plugged in?"));
   settings_["open_error"] = "0";
   settings_["start_error"] = std::to_string(EBUSY);
-  EXPECT_THAT(fail_to_record(camera()), FailedWith("v4l2:/dev/video42: cannot be started: another program uses it"));
-  EXPECT_THAT(fail_to_record("v4l2:/dev/video43"), FailedWith("v4l2:/dev/video43: cannot be opened: the camera is not there"));
+  EXPECT_THAT(fail_to_record(camera()),
+              FailedWith("v4l2:/dev/video42: cannot be started: another program uses it"));
+  EXPECT_THAT(fail_to_record("v4l2:/dev/video43"),
+              FailedWith("v4l2:/dev/video43: cannot be opened: the camera is not there"));
   EXPECT_THAT(fail_to_record("v4l2:" + path("camera.toml")), FailedWith("is not a video device"));
   EXPECT_THAT(fail_to_record("v4l2:/dev"), FailedWith("v4l2:/dev: cannot be opened"));
   EXPECT_THAT(fail_to_record("v4l2:"), FailedWith("names no device"));
@@ -258,11 +241,13 @@ TEST_F(V4l2Test, WhatItDoesNotOfferIsSaidWithWhatItDoes) {
   send(1);
   EXPECT_THAT(fail_to_record(fmt::format("v4l2:{}?width=500&height=400&fov_deg=70", kPath)),
               FailedWith("does not offer Z16 of 500x400; it offers 848x480, "));
-  EXPECT_THAT(fail_to_record(camera("&format=inzi")), FailedWith("does not offer the format inzi; it offers Z16"));
+  EXPECT_THAT(fail_to_record(camera("&format=inzi")),
+              FailedWith("does not offer the format inzi; it offers Z16"));
   EXPECT_THAT(fail_to_record(camera("&format=rgb")), FailedWith("known are auto, z16, inzi, y16"));
   EXPECT_THAT(fail_to_record(camera("&width=500")), FailedWith("width and height belong together"));
   settings_["formats"] = "YUYV,MJPG";
-  EXPECT_THAT(fail_to_record(camera()), FailedWith("does not offer depth (Z16 or INZI); it offers YUYV, MJPG"));
+  EXPECT_THAT(fail_to_record(camera()),
+              FailedWith("does not offer depth (Z16 or INZI); it offers YUYV, MJPG"));
   settings_["formats"] = "YUYV,Y16";
   EXPECT_THAT(fail_to_record(camera()), FailedWith("say ?format=y16 where it is depth"));
   ASSERT_THAT(record(1, "&format=y16"), Succeeded());
@@ -272,11 +257,15 @@ TEST_F(V4l2Test, WhatItDoesNotOfferIsSaidWithWhatItDoes) {
 TEST_F(V4l2Test, IntrinsicsHaveToBeKnown) {
   settings_["sizes"] = fmt::format("{}x{}", camera_.width, camera_.height);
   send(1);
-  EXPECT_THAT(fail_to_record(fmt::format("v4l2:{}", kPath)), FailedWith("its intrinsics are not known; say them by ?camera=FILE.toml"));
+  EXPECT_THAT(fail_to_record(fmt::format("v4l2:{}", kPath)),
+              FailedWith("its intrinsics are not known; say them by ?camera=FILE.toml"));
   EXPECT_THAT(fail_to_record(camera("&first=3")), FailedWith("first, count and step are for recordings"));
-  ASSERT_THAT(run({"record", "--source", fmt::format("v4l2:{}?fov_deg=87", kPath), "--out", path("take.h5"), "--frames", "1"}), Succeeded());
+  ASSERT_THAT(run({"record", "--source", fmt::format("v4l2:{}?fov_deg=87", kPath), "--out", path("take.h5"),
+                   "--frames", "1"}),
+              Succeeded());
   EXPECT_DOUBLE_EQ(take()->read(0).camera.cx, (camera_.width - 1) / 2.0);
-  EXPECT_THAT(run_program({"inspect", "--source", camera()}), FailedWith("is a camera, for `live` and `record`"));
+  EXPECT_THAT(run_program({"inspect", "--source", camera()}),
+              FailedWith("is a camera, for `live` and `record`"));
 }
 
 TEST_F(V4l2Test, CamerasListsWhatIsConnected) {
@@ -302,16 +291,19 @@ TEST_F(V4l2Test, ACheckSaysHowGoodItIs) {
   settings_["end"] = "stall";
   ProgramRun checked = run({"cameras", "--check", camera(), "--frames", "8"});
   ASSERT_THAT(checked, Succeeded());
-  EXPECT_THAT(checked.out, HasSubstr(fmt::format("frames       8, {} x {} px, 50.0 per second, 0 lost", camera_.width, camera_.height)));
+  EXPECT_THAT(checked.out, HasSubstr(fmt::format("frames       8, {} x {} px, 50.0 per second, 0 lost",
+                                                 camera_.width, camera_.height)));
   EXPECT_THAT(checked.out, HasSubstr("format       Z16 "));
   EXPECT_THAT(checked.out, HasSubstr("intrinsics   from "));
   settings_["sizes"] = fmt::format("{}x{}", camera_.width, camera_.height);
   checked = run({"cameras", "--check", fmt::format("v4l2:{}?depth_unit_mm=100", kPath), "--frames", "3"});
   ASSERT_EQ(checked.status, 0);
   EXPECT_THAT(checked.out, HasSubstr("intrinsics   not known"));
-  EXPECT_THAT(checked.error, HasSubstr("warning: its intrinsics are not known: say them by ?camera=FILE.toml"));
+  EXPECT_THAT(checked.error,
+              HasSubstr("warning: its intrinsics are not known: say them by ?camera=FILE.toml"));
   EXPECT_THAT(checked.error, HasSubstr("is the unit wrong?"));
-  EXPECT_THAT(run({"cameras", "--check", camera("&timeout_s=0.2"), "--frames", "20"}), FailedWith("has sent no whole frame"));
+  EXPECT_THAT(run({"cameras", "--check", camera("&timeout_s=0.2"), "--frames", "20"}),
+              FailedWith("has sent no whole frame"));
   EXPECT_THAT(run({"cameras", "--check", "webcam:0"}), FailedWith("unknown kind of camera 'webcam'"));
 }
 

@@ -15,7 +15,8 @@ namespace knuckle::cli {
 namespace {
 
 void print_listing(const CameraListing& camera) {
-  fmt::print("{:<24} {:<32} {}\n", printable(camera.stream), printable(camera.device), printable(camera.state));
+  fmt::print("{:<24} {:<32} {}\n", printable(camera.stream), printable(camera.device),
+             printable(camera.state));
 }
 
 /// What is connected, and what this build could not find.
@@ -38,8 +39,8 @@ void print_check(const CameraCheck& check, const CameraFacts& facts) {
   fmt::print("device       {}\n", facts.device.empty() ? "without a name" : printable(facts.device));
   fmt::print("format       {}\n", printable(facts.format));
   fmt::print("intrinsics   {}\n", facts.intrinsics.empty() ? "not known" : printable(facts.intrinsics));
-  fmt::print("frames       {}, {} x {} px, {:.1f} per second, {} lost on the way\n", check.frames, check.width,
-             check.height, check.rate_hz, check.lost);
+  fmt::print("frames       {}, {} x {} px, {:.1f} per second, {} lost on the way\n", check.frames,
+             check.width, check.height, check.rate_hz, check.lost);
   fmt::print("infrared     {}\n", check.has_infrared ? "yes" : "no");
   fmt::print("measured     {:.1f} % of the pixels\n", 100.0 * check.measured_share);
   if (check.median_mm) {
@@ -66,8 +67,9 @@ void add_cameras(CLI::App& program) {
   CLI::App& verb = add_verb(program, "cameras", "List the cameras that are connected, or look at one of them",
                             "knuckle cameras");
   auto stream = std::make_shared<std::string>();
-  verb.add_option("--check", *stream,
-                  "Takes frames of this camera for some seconds, and says how good they are and what is wrong")
+  verb.add_option(
+          "--check", *stream,
+          "Takes frames of this camera for some seconds, and says how good they are and what is wrong")
       ->type_name("STREAM");
   auto frames = std::make_shared<int>(CheckLimits().most_frames);
   verb.add_option("--frames", *frames, "Frames that --check takes, in 5 seconds at most")

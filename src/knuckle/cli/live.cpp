@@ -175,9 +175,9 @@ void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& argu
 }  // namespace
 
 void add_live(CLI::App& program) {
-  CLI::App& verb =
-      add_verb(program, "live", "Follow hands while they move: before a camera, or in a recording or data set, played",
-               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
+  CLI::App& verb = add_verb(
+      program, "live", "Follow hands while they move: before a camera, or in a recording or data set, played",
+      "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
   auto arguments = std::make_shared<LiveArguments>();
   verb.add_option("--source", arguments->source,
                   "Where frames come from: a camera, as `knuckle cameras` lists them, or a source, played: "

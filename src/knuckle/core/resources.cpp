@@ -101,8 +101,8 @@ fs::path helper_program(std::string_view name) {
   const fs::path place = fs::path(kHelperFolder) / name;
   fs::path found = find_at_or_above(place);
   if (!found.empty()) return found;
-  fail("{} cannot be found: there is no {} in {} or the {} folders above it; install Knuckle as a whole", name,
-       place.string(), own_file().parent_path().string(), kFoldersAbove);
+  fail("{} cannot be found: there is no {} in {} or the {} folders above it; install Knuckle as a whole",
+       name, place.string(), own_file().parent_path().string(), kFoldersAbove);
 }
 
 }  // namespace knuckle

@@ -11,13 +11,14 @@
 namespace knuckle {
 namespace {
 
-constexpr std::size_t kSampleStep = 7;            // every so many pixels is looked at
+constexpr std::size_t kSampleStep = 7;           // every so many pixels is looked at
 constexpr std::size_t kMostSamples = 4'000'000;  // of all frames together
 
 /// The value below which that share of the others lies; nothing where there is none. Reorders them.
 std::optional<double> quantile(std::vector<float>& values, double share) {
   if (values.empty()) return std::nullopt;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::ranges::nth_element(values, place);
   return *place;
 }
@@ -96,7 +97,8 @@ std::vector<std::string> remarks_on(const CameraCheck& check, const CameraFacts&
   std::vector<std::string> remarks;
   if (facts.intrinsics.empty()) {
     remarks.emplace_back(
-        "its intrinsics are not known: say them by ?camera=FILE.toml, or roughly by ?fov_deg= (docs/cameras.md)");
+        "its intrinsics are not known: say them by ?camera=FILE.toml, or roughly by ?fov_deg= "
+        "(docs/cameras.md)");
   }
   if (check.frames == 0) {
     remarks.emplace_back("no frame came");
@@ -107,9 +109,10 @@ std::vector<std::string> remarks_on(const CameraCheck& check, const CameraFacts&
     return remarks;
   }
   if (check.measured_share < kLeastShare) {
-    remarks.push_back(fmt::format(
-        "only {:.0f} % of the pixels are measured: things may be too near, too far, in sunlight, or black or shiny",
-        100.0 * check.measured_share));
+    remarks.push_back(
+        fmt::format("only {:.0f} % of the pixels are measured: things may be too near, too far, in sunlight, "
+                    "or black or shiny",
+                    100.0 * check.measured_share));
   }
   if (*check.median_mm > kFarMm || *check.farthest_mm < kNearMm) {
     remarks.push_back(fmt::format(
@@ -119,9 +122,10 @@ std::vector<std::string> remarks_on(const CameraCheck& check, const CameraFacts&
   }
   const auto all = static_cast<double>(check.frames + check.lost);
   if (static_cast<double>(check.lost) > kMostLostShare * all) {
-    remarks.push_back(fmt::format(
-        "{} of {} frames were lost on the way: use a port of USB 3 without a hub, a lower rate or a smaller size",
-        check.lost, check.frames + check.lost));
+    remarks.push_back(
+        fmt::format("{} of {} frames were lost on the way: use a port of USB 3 without a hub, a lower rate "
+                    "or a smaller size",
+                    check.lost, check.frames + check.lost));
   }
   if (check.is_still) remarks.emplace_back("all frames are the same image: the camera seems to hang");
   return remarks;

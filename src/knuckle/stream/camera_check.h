@@ -19,14 +19,14 @@ struct CheckLimits {
 
 /// What a camera's frames show.
 struct CameraCheck {
-  int width = 0;                ///< [px]
-  int height = 0;               ///< [px]
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
   bool has_infrared = false;
   std::int64_t frames = 0;
-  std::int64_t lost = 0;        ///< as FrameStream::lost_frames
-  double rate_hz = 0.0;         ///< frames per second by their times; 0 where fewer than 2 came
-  double measured_share = 0.0;  ///< of pixels, mean over frames, [0, 1]
-  std::optional<double> nearest_mm;   ///< 1 of 100 measured pixels is nearer
+  std::int64_t lost = 0;             ///< as FrameStream::lost_frames
+  double rate_hz = 0.0;              ///< frames per second by their times; 0 where fewer than 2 came
+  double measured_share = 0.0;       ///< of pixels, mean over frames, [0, 1]
+  std::optional<double> nearest_mm;  ///< 1 of 100 measured pixels is nearer
   std::optional<double> median_mm;
   std::optional<double> farthest_mm;  ///< 1 of 100 is farther
   std::optional<double> noise_mm;     ///< standard deviation from frame to frame, as 2 of 3 pixels show it

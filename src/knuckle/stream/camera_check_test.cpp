@@ -42,7 +42,8 @@ const CameraFacts kKnown{.device = "", .format = "", .intrinsics = "from c.toml"
 DrawnStream wall(double depth_mm, double noise_mm) {
   return {20, [=](Image<float>& image, int index) {
             Random random(7, static_cast<std::uint64_t>(index));
-            for (float& pixel : image.pixels()) pixel = static_cast<float>(depth_mm + noise_mm * random.normal());
+            for (float& pixel : image.pixels())
+              pixel = static_cast<float>(depth_mm + noise_mm * random.normal());
             for (int row = 0; row < 15; ++row) std::ranges::fill(image.row(row), 0.0f);
           }};
 }
@@ -79,11 +80,16 @@ TEST(CameraCheck, SaysWhatIsWrong) {
   EXPECT_THAT(remarks({20, [](Image<float>&, int) {}}), Contains(HasSubstr("no pixel is measured")));
   EXPECT_THAT(remarks({0, [](Image<float>&, int) {}}), Contains("no frame came"));
   const auto dot = [](Image<float>& image, int index) { image(index, 3) = 700.0f; };
-  EXPECT_THAT(remarks({20, [&](Image<float>& image, int index) {
+  EXPECT_THAT(remarks({20,
+                       [&](Image<float>& image, int index) {
                          for (int step = 0; step < 60; ++step) dot(image, (index + step) % 80);
                        }}),
               Contains(HasSubstr("only 1 % of the pixels")));
-  EXPECT_THAT(remarks({20, [](Image<float>& image, int index) { std::ranges::fill(image.pixels(), 500.0f + static_cast<float>(index)); }, 5}),
+  EXPECT_THAT(remarks({20,
+                       [](Image<float>& image, int index) {
+                         std::ranges::fill(image.pixels(), 500.0f + static_cast<float>(index));
+                       },
+                       5}),
               Contains(HasSubstr("5 of 25 frames were lost")));
 }
 

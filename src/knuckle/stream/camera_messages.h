@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-// What a camera's process and the program say to each other. Libraries of cameras print, crash on foreign files,
-// and pull in others; so they live in a process of their own (stream/process), and everything that comes from it
-// is checked. Both are built together and run on one machine: numbers are the machine's own.
+// What a camera's process and the program say to each other. Libraries of cameras print, crash on foreign
+// files, and pull in others; so they live in a process of their own (stream/process), and everything that
+// comes from it is checked. Both are built together and run on one machine: numbers are the machine's own.
 namespace knuckle {
 
 /// What a message is about.

@@ -45,7 +45,8 @@ TEST(CameraMessages, WhatCannotBeIsRefused) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(with([](auto& d) { d.width = 0; }), HasSubstr("a.oni: cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.width = 16385; }), HasSubstr("cannot be depth"));
-  EXPECT_THAT(with([](auto& d) { d.width = d.height = 16384; }), HasSubstr("cannot be depth")) << "more than a message holds";
+  EXPECT_THAT(with([](auto& d) { d.width = d.height = 16384; }), HasSubstr("cannot be depth"))
+      << "more than a message holds";
   EXPECT_THAT(with([](auto& d) { d.unit_mm = 0.0; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.unit_mm = kNan; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.horizontal_fov_rad = 4.0; }), HasSubstr("cannot be depth"));
@@ -53,7 +54,8 @@ TEST(CameraMessages, WhatCannotBeIsRefused) {
   EXPECT_THAT(with([](auto& d) { d.frames = -2; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.depth = static_cast<PipedDepth>(3); }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.is_mirrored = 2; }), HasSubstr("cannot be depth"));
-  EXPECT_THAT(error_of([] { parse_description(bytes_of(small()).first(20), "a.oni"); }), HasSubstr("not whole"));
+  EXPECT_THAT(error_of([] { parse_description(bytes_of(small()).first(20), "a.oni"); }),
+              HasSubstr("not whole"));
 }
 
 TEST(CameraMessages, ADescriptionsNameEndsInIt) {
@@ -68,7 +70,8 @@ TEST(CameraMessages, AFrameHasAllItsPixels) {
   std::memcpy(bytes.data(), &frame, sizeof frame);
   EXPECT_EQ(parse_piped_frame(bytes, small(), "a.oni").number, 5);
   bytes.push_back(0);
-  EXPECT_THAT(error_of([&] { parse_piped_frame(bytes, small(), "a.oni"); }), HasSubstr("a frame is not whole"));
+  EXPECT_THAT(error_of([&] { parse_piped_frame(bytes, small(), "a.oni"); }),
+              HasSubstr("a frame is not whole"));
   bytes.resize(sizeof(PipedFrame) + 24);
   const PipedFrame timeless{5, std::numeric_limits<double>::infinity()};
   std::memcpy(bytes.data(), &timeless, sizeof timeless);
@@ -78,9 +81,10 @@ TEST(CameraMessages, AFrameHasAllItsPixels) {
 TEST(CameraMessages, AHeadThatIsNoneIsRefused) {
   const CameraMessageHead good{kCameraMessageMagic, 2, 100};
   EXPECT_NO_THROW(check(good, "a.oni"));
-  for (const CameraMessageHead& head : {CameraMessageHead{1, 2, 100}, CameraMessageHead{kCameraMessageMagic, 0, 100},
-                                        CameraMessageHead{kCameraMessageMagic, 6, 100},
-                                        CameraMessageHead{kCameraMessageMagic, 2, kMostMessageBytes + 1}}) {
+  for (const CameraMessageHead& head :
+       {CameraMessageHead{1, 2, 100}, CameraMessageHead{kCameraMessageMagic, 0, 100},
+        CameraMessageHead{kCameraMessageMagic, 6, 100},
+        CameraMessageHead{kCameraMessageMagic, 2, kMostMessageBytes + 1}}) {
     EXPECT_THAT(error_of([&] { check(head, "a.oni"); }), HasSubstr("is no message"));
   }
 }

@@ -157,21 +157,4 @@ ReceivedMessage CameraProcess::wait_for_message(std::chrono::duration<double> lo
   }
 }
 
-void CameraProcess::ask(std::int64_t number) {
-  // A process that has ended would end this one by a signal, too.
-  sigset_t pipe_signal;
-  sigset_t before;
-  ::sigemptyset(&pipe_signal);
-  ::sigaddset(&pipe_signal, SIGPIPE);
-  ::pthread_sigmask(SIG_BLOCK, &pipe_signal, &before);
-  const ssize_t written = ::write(to_, &number, sizeof number);
-  const bool is_broken = written < 0 && errno == EPIPE;
-  if (is_broken) {
-    const timespec at_once{};
-    ::sigtimedwait(&pipe_signal, nullptr, &at_once);
-  }
-  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  if (written != static_cast<ssize_t>(sizeof number)) fail_as_ended();
-}
-
 }  // namespace knuckle

@@ -24,8 +24,8 @@ struct ReceivedMessage {
   std::vector<std::uint8_t> bytes;
 };
 
-/// A running process that reads a camera or a recording. It ends with this object: by itself within a second, or
-/// it is ended.
+/// A running process that reads a camera or a recording. It ends with this object: by itself within a second,
+/// or it is ended.
 class CameraProcess {
  public:
   /// Starts `program`. `where` is what messages are about. Throws an Error where it cannot be started.
@@ -40,8 +40,6 @@ class CameraProcess {
   /// The same, but waits for it and throws an Error where it does not come within that time, and Interrupted
   /// where the program is asked to end.
   ReceivedMessage wait_for_message(std::chrono::duration<double> longest);
-  /// Asks for a frame of a recording. Throws where the process has ended.
-  void ask(std::int64_t number);
 
  private:
   /// Reads what is there until `received_` holds so many bytes; false where that is not yet so.
@@ -52,7 +50,7 @@ class CameraProcess {
 
   std::string where_;
   pid_t process_ = 0;
-  int to_ = -1;    ///< its standard input
+  int to_ = -1;    ///< its standard input: it ends when this is closed
   int from_ = -1;  ///< its standard output
   std::vector<std::uint8_t> received_;
   std::size_t filled_ = 0;

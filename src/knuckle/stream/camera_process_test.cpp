@@ -16,8 +16,8 @@ namespace knuckle {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::error_of;
 using ::testing::AllOf;
+using testing::error_of;
 using ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
@@ -69,7 +69,11 @@ class CameraProcessTest : public ::testing::Test {
     return {program(script, said), {"oni", "a.oni"}, "a.oni"};
   }
   ProcessStream stream(const std::string& script, const std::string& said, double timeout_s = 5.0) {
-    return {std::make_unique<CameraProcess>(program(script, said), std::vector<std::string>{}, "freenect:0"), "freenect:0", {}, timeout_s, UnknownIntrinsics::refuse};
+    return {std::make_unique<CameraProcess>(program(script, said), std::vector<std::string>{}, "freenect:0"),
+            "freenect:0",
+            {},
+            timeout_s,
+            UnknownIntrinsics::refuse};
   }
   std::string fault_of(const std::string& script, const std::string& said = "") {
     CameraProcess process = start(script, said);
@@ -80,7 +84,9 @@ class CameraProcessTest : public ::testing::Test {
 };
 
 TEST_F(CameraProcessTest, MessagesComeWholeHoweverTheyAreCut) {
-  CameraProcess process = start("head -c 5 $0.said; sleep 0.05; tail -c +6 $0.said; sleep 9", message(CameraMessage::fault, "one") + message(CameraMessage::listing, "two\nname") );
+  CameraProcess process =
+      start("head -c 5 $0.said; sleep 0.05; tail -c +6 $0.said; sleep 9",
+            message(CameraMessage::fault, "one") + message(CameraMessage::listing, "two\nname"));
   const ReceivedMessage first = process.wait_for_message(std::chrono::seconds(5));
   EXPECT_EQ(first.kind, CameraMessage::fault);
   EXPECT_EQ(parse_text(first.bytes), "one");
@@ -89,9 +95,11 @@ TEST_F(CameraProcessTest, MessagesComeWholeHoweverTheyAreCut) {
 }
 
 TEST_F(CameraProcessTest, OneThatDiesIsOneLine) {
-  EXPECT_THAT(fault_of("kill -SEGV $$"), AllOf(HasSubstr("a.oni: the process that reads it crashed"), HasSubstr("egmentation")));
+  EXPECT_THAT(fault_of("kill -SEGV $$"),
+              AllOf(HasSubstr("a.oni: the process that reads it crashed"), HasSubstr("egmentation")));
   EXPECT_THAT(fault_of("exit 3"), HasSubstr("ended too early (status 3)"));
-  EXPECT_THAT(fault_of("head -c 20 $0.said", message(CameraMessage::fault, "a long text")), HasSubstr("ended too early (status 0)"));
+  EXPECT_THAT(fault_of("head -c 20 $0.said", message(CameraMessage::fault, "a long text")),
+              HasSubstr("ended too early (status 0)"));
 }
 
 TEST_F(CameraProcessTest, OneThatHangsIsOneLineAndIsEnded) {
@@ -101,25 +109,16 @@ TEST_F(CameraProcessTest, OneThatHangsIsOneLineAndIsEnded) {
 }
 
 TEST_F(CameraProcessTest, OneThatTalksNonsenseIsOneLine) {
-  EXPECT_THAT(fault_of("echo 'a line of a library that prints'; sleep 9"), HasSubstr("sent something that is no message"));
+  EXPECT_THAT(fault_of("echo 'a line of a library that prints'; sleep 9"),
+              HasSubstr("sent something that is no message"));
   std::string huge;
   append(huge, CameraMessageHead{kCameraMessageMagic, 2, std::uint64_t{1} << 62});
   EXPECT_THAT(fault_of("cat $0.said; sleep 9", huge), HasSubstr("is no message"));
 }
 
 TEST_F(CameraProcessTest, OneThatCannotBeStartedIsOneLine) {
-  EXPECT_THAT(error_of([&] { CameraProcess(folder_ / "none", {}, "a.oni"); }), HasSubstr("none: cannot be started"));
-}
-
-TEST_F(CameraProcessTest, AQuestionToOneThatHasEndedIsAnError) {
-  CameraProcess process = start("exec true");
-  EXPECT_THAT(error_of([&] {
-                for (int tries = 0; tries < 1000; ++tries) {
-                  process.ask(0);
-                  std::this_thread::sleep_for(milliseconds(10));
-                }
-              }),
-              HasSubstr("a.oni: the process that reads it ended too early (status 0)"));
+  EXPECT_THAT(error_of([&] { CameraProcess(folder_ / "none", {}, "a.oni"); }),
+              HasSubstr("none: cannot be started"));
 }
 
 TEST_F(CameraProcessTest, CtrlCEndsTheWaiting) {
@@ -132,7 +131,9 @@ TEST_F(CameraProcessTest, CtrlCEndsTheWaiting) {
 TEST_F(CameraProcessTest, AStreamsFramesAreMillimetresFromTheFirstOn) {
   PipedDescription description = camera_of_4x3();
   description.unit_mm = 0.1;
-  ProcessStream camera = stream("cat $0.said; exec sleep 9", description_message(description) + frame_message(3, 1000, 50.0) + frame_message(6, 2000, 50.5));
+  ProcessStream camera =
+      stream("cat $0.said; exec sleep 9",
+             description_message(description) + frame_message(3, 1000, 50.0) + frame_message(6, 2000, 50.5));
   EXPECT_EQ(camera.facts().intrinsics, "the fields of view that the device reports");
   const Frame first = camera.next().value();
   EXPECT_EQ(first.depth_mm(0, 0), 100.0f);
@@ -147,63 +148,112 @@ TEST_F(CameraProcessTest, AStreamsFramesAreMillimetresFromTheFirstOn) {
 TEST_F(CameraProcessTest, AMirroredImageIsTurnedBack) {
   PipedDescription description = camera_of_4x3();
   description.is_mirrored = 1;
-  ProcessStream camera = stream("cat $0.said; exec sleep 9", description_message(description) + frame_message(0, 500));
+  ProcessStream camera =
+      stream("cat $0.said; exec sleep 9", description_message(description) + frame_message(0, 500));
   const Frame frame = camera.next().value();
   EXPECT_EQ(frame.depth_mm(3, 0), 500.0f);
   EXPECT_EQ(frame.depth_mm(0, 0), 503.0f);
 }
 
 TEST_F(CameraProcessTest, AStreamWhoseProcessEndsIsLost) {
-  ProcessStream camera = stream("cat $0.said; kill -ABRT $$", description_message(camera_of_4x3()) + frame_message(0, 500));
+  ProcessStream camera =
+      stream("cat $0.said; kill -ABRT $$", description_message(camera_of_4x3()) + frame_message(0, 500));
   EXPECT_TRUE(camera.next());
   EXPECT_THROW(camera.next(), DeviceLost);
   EXPECT_FALSE(camera.next()) << "it has ended";
   ProcessStream silent = stream("cat $0.said; exec sleep 60", description_message(camera_of_4x3()), 0.2);
   EXPECT_THAT(error_of([&] { silent.next(); }), HasSubstr("freenect:0: gave no answer for 0.2 s"));
-  ProcessStream unplugged = stream("cat $0.said; exec sleep 60", description_message(camera_of_4x3()) + message(CameraMessage::fault, "the Kinect was unplugged"));
+  ProcessStream unplugged =
+      stream("cat $0.said; exec sleep 60", description_message(camera_of_4x3()) +
+                                               message(CameraMessage::fault, "the Kinect was unplugged"));
   EXPECT_THAT(error_of([&] { unplugged.next(); }), HasSubstr("freenect:0: the Kinect was unplugged"));
 }
 
-/// A recording of three frames, each read by a new process; the second one crashes it.
-TEST_F(CameraProcessTest, AFrameOfARecordingThatCrashesItIsAFaultOfThatFrame) {
-  PipedDescription description = camera_of_4x3();
-  description.frames = 3;
+/// What a recording of this many frames sends.
+std::string recording(int count, const PipedDescription& description) {
   std::string said = description_message(description);
-  const std::size_t head = said.size();
-  const std::size_t frame = frame_message(0, 0).size();
-  for (int i = 0; i < 3; ++i) said += frame_message(i, static_cast<std::uint16_t>(100 * (i + 1)), 0.1 * i);
-  const std::string script = fmt::format(
-      "head -c {0} $0.said\n"
-      "while true; do\n"
-      "  number=$(dd bs=8 count=1 2>/dev/null | od -An -td8 | tr -d ' ')\n"
-      "  [ -z \"$number\" ] && exit 0\n"
-      "  [ \"$number\" = 1 ] && kill -SEGV $$\n"
-      "  tail -c +$(({0} + 1 + number * {1})) $0.said | head -c {1}\n"
-      "done",
-      head, frame);
-  write_text_file(folder_ / "a.oni", "anything");
-  const OniSource source(folder_ / "a.oni", {}, program(script, said));
-  ASSERT_EQ(source.size(), 3);
-  EXPECT_EQ(source.read(0).depth_mm(0, 0), 100.0f);
-  EXPECT_THAT(error_of([&] { source.read(1); }), HasSubstr("a.oni: the process that reads it crashed"));
-  EXPECT_EQ(source.read(2).depth_mm(0, 0), 300.0f) << "by another process";
-  EXPECT_EQ(source.read_label(2).time_s, 0.2);
+  for (int i = 0; i < count; ++i)
+    said += frame_message(i, static_cast<std::uint16_t>(100 * (i + 1)), 0.1 * i);
+  return said;
 }
 
-TEST_F(CameraProcessTest, ARecordingThatLiesIsRefused) {
-  PipedDescription description = camera_of_4x3();
-  description.frames = 3;
-  write_text_file(folder_ / "a.oni", "anything");
-  const auto open = [&](const std::string& said) { return OniSource(folder_ / "a.oni", {}, program("cat $0.said; exec cat >/dev/null", said)); };
-  EXPECT_THAT(error_of([&] { open(description_message(description) + frame_message(1, 0)).read(0); }), HasSubstr("frame 1 came in its place"));
-  EXPECT_THAT(error_of([&] { open(description_message(description) + message(CameraMessage::fault, "no\nsense")).read(0); }), HasSubstr("a.oni: frame 0: no\nsense"));
+class OniSourceTest : public CameraProcessTest {
+ protected:
+  OniSourceTest() {
+    write_text_file(folder_ / "a.oni", "anything");
+    description_.frames = 6;
+  }
+  OniSource open(const std::string& said, const std::string& end = "") {
+    return {folder_ / "a.oni", {}, program("echo >> $0.started; cat $0.said; " + end, said)};
+  }
+  int times_started() { return static_cast<int>(fs::file_size(folder_ / "program.started")); }
+
+  PipedDescription description_ = camera_of_4x3();
+};
+
+TEST_F(OniSourceTest, FramesAreFoundInAnyOrder) {
+  const OniSource source = open(recording(6, description_));
+  ASSERT_EQ(source.size(), 6);
+  for (const int index : {0, 1, 4, 2, 3, 5, 0, 5}) {
+    EXPECT_EQ(source.read(index).depth_mm(0, 0), 100.0f * static_cast<float>(index + 1));
+    EXPECT_DOUBLE_EQ(source.read_label(index).time_s.value(), 0.1 * index);
+  }
+  EXPECT_EQ(times_started(), 1) << "what came before is kept";
+}
+
+TEST_F(OniSourceTest, WhatIsNotKeptIsReadAnew) {
+  description_.width = 4000;
+  description_.height = 3000;  // 24 MB each: two are kept
+  std::string said = description_message(description_);
+  for (int i = 0; i < 6; ++i) {
+    std::string bytes;
+    append(bytes, PipedFrame{i, 0.0});
+    bytes.resize(sizeof(PipedFrame) + 24000000, static_cast<char>(i + 1));
+    said += message(CameraMessage::frame, bytes);
+  }
+  const OniSource source = open(said);
+  EXPECT_EQ(source.read(5).depth_mm(7, 7), 6.0f * 257);
+  EXPECT_EQ(source.read(4).depth_mm(7, 7), 5.0f * 257);
+  EXPECT_EQ(times_started(), 1);
+  EXPECT_EQ(source.read(0).depth_mm(7, 7), 257.0f);
+  EXPECT_EQ(times_started(), 2);
+}
+
+TEST_F(OniSourceTest, WhereTheProcessCrashesTheFramesFromThereOnAreFaulty) {
+  const OniSource source = open(recording(3, description_), "kill -SEGV $$");
+  EXPECT_THAT(error_of([&] { source.read(4); }), HasSubstr("a.oni: the process that reads it crashed"));
+  EXPECT_THAT(error_of([&] { source.read(3); }), HasSubstr("crashed"));
+  EXPECT_THAT(error_of([&] { source.read(5); }), HasSubstr("crashed"));
+  EXPECT_EQ(times_started(), 1) << "it is not tried again";
+  EXPECT_EQ(source.read(2).depth_mm(0, 0), 300.0f);
+}
+
+TEST_F(OniSourceTest, AFrameThatIsPassedOverIsTheOnlyFaultyOne) {
+  description_.frames = 3;
+  const OniSource source =
+      open(description_message(description_) + frame_message(0, 100) + frame_message(2, 300));
+  EXPECT_THAT(error_of([&] { source.read(1); }), HasSubstr("a.oni: frame 1 is missing or damaged"));
+  EXPECT_EQ(source.read(2).depth_mm(0, 0), 300.0f);
+  EXPECT_EQ(source.read(0).depth_mm(0, 0), 100.0f);
+}
+
+TEST_F(OniSourceTest, ARecordingThatLiesIsRefused) {
+  const std::string head = description_message(description_);
+  EXPECT_THAT(error_of([&] { open(head + frame_message(0, 0) + frame_message(0, 0)).read(1); }),
+              HasSubstr("frame 0 comes after frame 0"));
+  EXPECT_THAT(error_of([&] { open(head + frame_message(6, 0)).read(0); }), HasSubstr("frame 6 comes after"));
+  EXPECT_THAT(error_of([&] { open(head + message(CameraMessage::fault, "nonsense")).read(0); }),
+              HasSubstr("a.oni: nonsense"));
+  EXPECT_THAT(error_of([&] { open(head + message(CameraMessage::end, "")).read(0); }),
+              HasSubstr("ends before its frame 0"));
   EXPECT_THAT(error_of([&] { open(frame_message(0, 0)); }), HasSubstr("did not say what it is"));
-  description.frames = 0;
-  EXPECT_THAT(error_of([&] { open(description_message(description)); }), HasSubstr("holds no depth image"));
-  description.frames = 3;
-  description.horizontal_fov_rad = 0.0;
-  EXPECT_THAT(error_of([&] { open(description_message(description)); }), HasSubstr("its intrinsics are not known"));
-  EXPECT_THAT(error_of([&] { OniSource(folder_ / "none.oni", {}); }), HasSubstr("none.oni"));
+  description_.frames = 0;
+  EXPECT_THAT(error_of([&] { open(description_message(description_)); }), HasSubstr("holds no depth image"));
+  description_.frames = 3;
+  description_.horizontal_fov_rad = 0.0;
+  EXPECT_THAT(error_of([&] { open(description_message(description_)); }),
+              HasSubstr("its intrinsics are not known"));
+  EXPECT_THAT(error_of([&] { OniSource(folder_ / "none.oni"); }), HasSubstr("none.oni"));
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ enum class UnknownIntrinsics {
   guess,   ///< frames get a field of view of 60 degrees: to look at the images alone
 };
 
-/// A live camera. Frames have times that begin at 0 with the first and never go back. `next` throws DeviceLost
-/// where the camera is gone, and Interrupted where the program is asked to end while it waits.
+/// A live camera. Frames have times that begin at 0 with the first and never go back. `next` throws
+/// DeviceLost where the camera is gone, and Interrupted where the program is asked to end while it waits.
 class CameraStream : public FrameStream {
  public:
   virtual const CameraFacts& facts() const = 0;

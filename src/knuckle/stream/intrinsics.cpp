@@ -13,7 +13,7 @@
 namespace knuckle {
 namespace {
 
-constexpr double kWidestFieldOfView = 175.0;   // [degrees]
+constexpr double kWidestFieldOfView = 175.0;  // [degrees]
 constexpr double kGuessedFieldOfView = 60.0;  // [degrees]
 
 }  // namespace
@@ -37,7 +37,8 @@ Camera camera_of_field_of_view(int width, int height, double fov_deg) {
 
 std::optional<Camera> camera_file_of(const IntrinsicsOptions& options) {
   if (options.camera.empty()) return std::nullopt;
-  if (options.fov_deg > 0.0) fail("camera={} and fov_deg both say what the camera is; leave one out", options.camera);
+  if (options.fov_deg > 0.0)
+    fail("camera={} and fov_deg both say what the camera is; leave one out", options.camera);
   return read_camera_file(options.camera);
 }
 
@@ -59,7 +60,8 @@ Intrinsics find_intrinsics(const IntrinsicsOptions& options, std::optional<Intri
     return {camera_of_field_of_view(width, height, kGuessedFieldOfView), ""};
   }
   fail(
-      "{}: its intrinsics are not known; say them by ?camera=FILE.toml, or roughly by ?fov_deg=, the horizontal "
+      "{}: its intrinsics are not known; say them by ?camera=FILE.toml, or roughly by ?fov_deg=, the "
+      "horizontal "
       "field of view of its data sheet (docs/cameras.md)",
       where);
 }

@@ -38,7 +38,8 @@ TEST(Intrinsics, WhatIsSaidCountsMoreThanWhatTheDeviceReports) {
 TEST(Intrinsics, AFileSaysThemAndHasToFit) {
   const testing::TemporaryFolder folder;
   const auto file = [&](int width) {
-    write_text_file(folder / "c.toml", fmt::format("[camera]\nwidth={}\nheight=480\nfx=500\nfy=501\ncx=320\ncy=240\n", width));
+    write_text_file(folder / "c.toml",
+                    fmt::format("[camera]\nwidth={}\nheight=480\nfx=500\nfy=501\ncx=320\ncy=240\n", width));
     return IntrinsicsOptions{.camera = (folder / "c.toml").string()};
   };
   EXPECT_EQ(found(file(640)).camera.fy, 501.0);
@@ -50,8 +51,8 @@ TEST(Intrinsics, AFileSaysThemAndHasToFit) {
 }
 
 TEST(Intrinsics, WithoutAnyTheErrorSaysWhatToDo) {
-  EXPECT_THAT(error_of([] { found({}); }),
-              AllOf(HasSubstr("v4l2:/dev/video2: its intrinsics are not known"), HasSubstr("?camera=FILE.toml"), HasSubstr("?fov_deg=")));
+  EXPECT_THAT(error_of([] { found({}); }), AllOf(HasSubstr("v4l2:/dev/video2: its intrinsics are not known"),
+                                                 HasSubstr("?camera=FILE.toml"), HasSubstr("?fov_deg=")));
   EXPECT_EQ(found({}, std::nullopt, UnknownIntrinsics::guess).origin, "");
 }
 

@@ -29,9 +29,11 @@ std::unique_ptr<CameraStream> open_freenect(const SourceSpec& spec, UnknownIntri
   const auto options = options_from<FreenectOptions>(spec);
   const std::string index = spec.path.empty() ? "0" : spec.path.string();
   const long long number = parse_integer(index, spec.text);
-  if (number < 0 || number >= kMostKinects) fail("{}: {} is no number of a Kinect; the first is 0", spec.text, number);
-  return std::make_unique<ProcessStream>(start_camera({"freenect", std::to_string(number), options.depth}, spec),
-                                         spec.text, options.intrinsics, options.timeout_s, unknown);
+  if (number < 0 || number >= kMostKinects)
+    fail("{}: {} is no number of a Kinect; the first is 0", spec.text, number);
+  return std::make_unique<ProcessStream>(
+      start_camera({"freenect", std::to_string(number), options.depth}, spec), spec.text, options.intrinsics,
+      options.timeout_s, unknown);
 }
 
 std::unique_ptr<CameraStream> open_openni2(const SourceSpec& spec, UnknownIntrinsics unknown) {
@@ -42,8 +44,8 @@ std::unique_ptr<CameraStream> open_openni2(const SourceSpec& spec, UnknownIntrin
     options.height = camera->height;
   }
   return std::make_unique<ProcessStream>(
-      start_camera({"openni2", spec.path.string(), std::to_string(options.width), std::to_string(options.height),
-                    std::to_string(options.rate_hz)},
+      start_camera({"openni2", spec.path.string(), std::to_string(options.width),
+                    std::to_string(options.height), std::to_string(options.rate_hz)},
                    spec),
       spec.text, options.intrinsics, options.timeout_s, unknown);
 }
@@ -83,8 +85,8 @@ std::vector<CameraListing> list_v4l2_cameras() {
 }
 
 constexpr std::array kCameraKinds{
-    CameraKind{"v4l2", "depth cameras that Linux knows as video devices: RealSense and others", true, open_v4l2,
-               list_v4l2_cameras},
+    CameraKind{"v4l2", "depth cameras that Linux knows as video devices: RealSense and others", true,
+               open_v4l2, list_v4l2_cameras},
     CameraKind{"freenect", "the first Kinect, by libfreenect", KNUCKLE_HAS_FREENECT != 0, open_freenect,
                list_freenect_cameras},
     CameraKind{"openni2", "PrimeSense, Asus Xtion, Orbbec and others with a driver for OpenNI2",
@@ -99,7 +101,8 @@ std::span<const CameraKind> camera_kinds() {
 
 std::unique_ptr<FrameSource> open_oni(const SourceSpec& spec) {
   const auto options = options_from<OniOptions>(spec);
-  if (KNUCKLE_HAS_OPENNI2 == 0) fail("{}: this build of Knuckle lacks OpenNI2, which reads such files", spec.text);
+  if (KNUCKLE_HAS_OPENNI2 == 0)
+    fail("{}: this build of Knuckle lacks OpenNI2, which reads such files", spec.text);
   return std::make_unique<OniSource>(spec.path, options);
 }
 
@@ -111,7 +114,8 @@ bool names_a_camera(std::string_view text) {
 std::unique_ptr<CameraStream> open_camera(std::string_view text, UnknownIntrinsics unknown) {
   const SourceSpec spec = parse_camera_spec(text);
   const CameraKind* const kind = row_named(kCameraKinds, spec.kind);
-  if (kind == nullptr) fail("{}: {}", text, unknown_name("kind of camera", spec.kind, names_of(kCameraKinds)));
+  if (kind == nullptr)
+    fail("{}: {}", text, unknown_name("kind of camera", spec.kind, names_of(kCameraKinds)));
   if (!kind->is_built)
     fail("{}: this build of Knuckle lacks the library for such cameras (docs/cameras.md)", text);
   if (!spec.selection.takes_all())

@@ -36,8 +36,8 @@ std::span<const CameraKind> camera_kinds();
 /// Whether the text starts with a kind of camera and a colon.
 bool names_a_camera(std::string_view text);
 
-/// Opens and starts a camera, `KIND:[DEVICE][?key=value&...]`. Throws an Error that says what to do where that
-/// cannot be.
+/// Opens and starts a camera, `KIND:[DEVICE][?key=value&...]`. Throws an Error that says what to do where
+/// that cannot be.
 std::unique_ptr<CameraStream> open_camera(std::string_view text,
                                           UnknownIntrinsics unknown = UnknownIntrinsics::refuse);
 

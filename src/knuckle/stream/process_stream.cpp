@@ -72,21 +72,24 @@ ProcessStream::ProcessStream(std::unique_ptr<CameraProcess> process, std::string
     : process_(std::move(process)), where_(std::move(where)), timeout_s_(timeout_s) {
   const ReceivedMessage message = process_->wait_for_message(kLongestOpening);
   if (message.kind == CameraMessage::fault) fail("{}: {}", where_, parse_text(message.bytes));
-  if (message.kind != CameraMessage::description) fail("{}: the process that reads it did not say what it is", where_);
+  if (message.kind != CameraMessage::description)
+    fail("{}: the process that reads it did not say what it is", where_);
   description_ = parse_description(message.bytes, where_);
   const auto width = static_cast<int>(description_.width);
   const auto height = static_cast<int>(description_.height);
   Intrinsics found = find_intrinsics(intrinsics, intrinsics_of(description_), width, height, unknown, where_);
   camera_ = found.camera;
   facts_.device = description_.device;
-  facts_.format = fmt::format("{} {}x{}", description_.depth == PipedDepth::kinect_raw ? "raw" : "depth", width, height);
+  facts_.format =
+      fmt::format("{} {}x{}", description_.depth == PipedDepth::kinect_raw ? "raw" : "depth", width, height);
   if (description_.rate_hz > 0.0) facts_.format += fmt::format(", {:.4g} per second", description_.rate_hz);
   facts_.intrinsics = std::move(found.origin);
 }
 
 Frame ProcessStream::wait_for_frame() {
   const ReceivedMessage message = process_->wait_for_message(std::chrono::duration<double>(timeout_s_));
-  if (message.kind == CameraMessage::fault) throw DeviceLost(fmt::format("{}: {}", where_, parse_text(message.bytes)));
+  if (message.kind == CameraMessage::fault)
+    throw DeviceLost(fmt::format("{}: {}", where_, parse_text(message.bytes)));
   if (message.kind != CameraMessage::frame) fail("{}: the process that reads it sent no frame", where_);
   const PipedFrame piped = parse_piped_frame(message.bytes, description_, where_);
   constexpr std::int64_t kMostLost = 100000;  // more: the device began to count anew

@@ -18,8 +18,9 @@ namespace knuckle {
 
 /// Settings of a `freenect:` camera.
 struct FreenectOptions {
-  std::string depth = "raw";  ///< raw: 11 bits, made millimetres by us; mm: by libfreenect, as the device was calibrated
-  double timeout_s = 5.0;     ///< without a frame, then the camera is lost; [0.1, 3600]
+  std::string depth =
+      "raw";  ///< raw: 11 bits, made millimetres by us; mm: by libfreenect, as the device was calibrated
+  double timeout_s = 5.0;  ///< without a frame, then the camera is lost; [0.1, 3600]
   IntrinsicsOptions intrinsics;
 
   void visit(OptionVisitor& visitor);
@@ -27,10 +28,10 @@ struct FreenectOptions {
 
 /// Settings of an `openni2:` camera.
 struct Openni2Options {
-  int width = 0;          ///< [0, 16384] [px]; 0: that of ?camera=, else what the device is set to
-  int height = 0;         ///< the same
-  int rate_hz = 0;        ///< frames per second, [0, 1000]; 0: what the device is set to
-  double timeout_s = 5.0; ///< without a frame, then the camera is lost; [0.1, 3600]
+  int width = 0;           ///< [0, 16384] [px]; 0: that of ?camera=, else what the device is set to
+  int height = 0;          ///< the same
+  int rate_hz = 0;         ///< frames per second, [0, 1000]; 0: what the device is set to
+  double timeout_s = 5.0;  ///< without a frame, then the camera is lost; [0.1, 3600]
   IntrinsicsOptions intrinsics;
 
   void visit(OptionVisitor& visitor);
@@ -39,8 +40,8 @@ struct Openni2Options {
 /// The intrinsics that fields of view tell; nothing where they are not known.
 std::optional<Intrinsics> intrinsics_of(const PipedDescription& description);
 
-/// The depth of a frame as it came through the pipe: in millimetres, not mirrored. Throws an Error that starts
-/// with `where` where a value cannot be.
+/// The depth of a frame as it came through the pipe: in millimetres, not mirrored. Throws an Error that
+/// starts with `where` where a value cannot be.
 Image<float> depth_of(const ReceivedMessage& message, const PipedDescription& description,
                       std::string_view where);
 

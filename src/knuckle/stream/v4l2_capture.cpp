@@ -70,7 +70,8 @@ void V4l2Capture::map_buffers() {
   wanted.memory = V4L2_MEMORY_MMAP;
   device_.request(VIDIOC_REQBUFS, wanted, kStarting);
   if (wanted.count < kLeastBuffers || wanted.count > kMostBuffers) {
-    fail("{}: gives {} buffers, expected {} to {}", device_.name(), wanted.count, kLeastBuffers, kMostBuffers);
+    fail("{}: gives {} buffers, expected {} to {}", device_.name(), wanted.count, kLeastBuffers,
+         kMostBuffers);
   }
   for (std::uint32_t index = 0; index < wanted.count; ++index) {
     v4l2_buffer buffer = buffer_numbered(index);

@@ -25,7 +25,8 @@ std::string advice(int error) {
       return "the camera is not there; is it plugged in? `knuckle cameras` lists those that are";
     case EACCES:
     case EPERM:
-      return "this user may not use it; add the user to the group video (sudo usermod -aG video $USER) and log "
+      return "this user may not use it; add the user to the group video (sudo usermod -aG video $USER) and "
+             "log "
              "in again";
     case EBUSY:
       return "another program uses it; end that one (`fuser -v /dev/video*` names it)";

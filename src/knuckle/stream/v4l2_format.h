@@ -15,13 +15,13 @@ namespace knuckle {
 
 /// Settings of a `v4l2:` camera.
 struct V4l2Options {
-  std::string format = "auto";   ///< auto | z16 | inzi | y16; auto: the first of z16 and inzi that there is
-  int width = 0;                 ///< [0, 16384] [px]; 0: that of ?camera=, else what the device is set to
-  int height = 0;                ///< the same
-  double rate_hz = 0.0;          ///< frames per second, [0, 1000]; 0: what the device is set to
-  double depth_unit_mm = 0.0;    ///< millimetres per count, [0, 1000]; 0: that of the format
-  double timeout_s = 5.0;        ///< without a frame, then the camera is lost; [0.1, 3600]
-  double wait_s = 0.0;           ///< for a camera that is not there, or lost, to come back; [0, 86400]
+  std::string format = "auto";  ///< auto | z16 | inzi | y16; auto: the first of z16 and inzi that there is
+  int width = 0;                ///< [0, 16384] [px]; 0: that of ?camera=, else what the device is set to
+  int height = 0;               ///< the same
+  double rate_hz = 0.0;         ///< frames per second, [0, 1000]; 0: what the device is set to
+  double depth_unit_mm = 0.0;   ///< millimetres per count, [0, 1000]; 0: that of the format
+  double timeout_s = 5.0;       ///< without a frame, then the camera is lost; [0.1, 3600]
+  double wait_s = 0.0;          ///< for a camera that is not there, or lost, to come back; [0, 86400]
   IntrinsicsOptions intrinsics;
 
   void visit(OptionVisitor& visitor);

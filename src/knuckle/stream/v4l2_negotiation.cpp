@@ -163,8 +163,8 @@ double set_rate(const V4l2Device& device, const V4l2Layout& layout, double rate_
   v4l2_streamparm setting{};
   setting.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   const v4l2_captureparm& capture = setting.parm.capture;
-  const bool has_rates = device.try_request(VIDIOC_G_PARM, setting) == 0 &&
-                         (capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
+  const bool has_rates =
+      device.try_request(VIDIOC_G_PARM, setting) == 0 && (capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
   if (rate_hz == 0.0) return has_rates ? rate_of(capture.timeperframe) : 0.0;
   if (!has_rates) fail("{}: does not let its rate be chosen; leave ?rate= out", device.name());
   constexpr double kParts = 1000.0;

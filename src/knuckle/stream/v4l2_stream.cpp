@@ -67,8 +67,9 @@ V4l2Frame V4l2Stream::wait_for_frame() {
     end_if_interrupted();
     if (auto frame = capture_->next(kLongestWait)) return *std::move(frame);
     if (Seconds(Clock::now() - begin).count() >= options_.timeout_s) {
-      throw DeviceLost(fmt::format("{}: has sent no whole frame for {:g} s; plug it in again, at a port of USB 3, without a hub",
-                                   capture_->device().name(), options_.timeout_s));
+      throw DeviceLost(fmt::format(
+          "{}: has sent no whole frame for {:g} s; plug it in again, at a port of USB 3, without a hub",
+          capture_->device().name(), options_.timeout_s));
     }
   }
 }

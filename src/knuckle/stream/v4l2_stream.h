@@ -14,8 +14,8 @@
 namespace knuckle {
 
 /// A camera that Linux knows as a video device with depth (Z16, INZI, Y16): RealSense and others, without a
-/// library of their makers. Where it is lost and `wait_s` is above 0, the stream waits for it to come back, and
-/// goes on in a new sequence.
+/// library of their makers. Where it is lost and `wait_s` is above 0, the stream waits for it to come back,
+/// and goes on in a new sequence.
 class V4l2Stream final : public CameraStream {
  public:
   /// Opens and starts the camera, which may take `wait_s` to be there. Throws as V4l2Capture does, and where

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -23,8 +22,6 @@ class Program {
   void send_end() const;
   /// Whether it wants no more.
   bool is_gone() const;
-  /// The number of the next frame that it wants; nothing where it wants no more.
-  std::optional<std::int64_t> next_question() const;
 
  private:
   int descriptor_;

@@ -36,15 +36,19 @@ class Kinect {
   Kinect(const Program& program, int index, freenect_depth_format format) : program_(program) {
     const int count = ::freenect_num_devices(context_.get());
     if (count <= index) {
-      fail("there is no such Kinect, {} are connected; is it plugged in, with its own power?", std::max(0, count));
+      fail("there is no such Kinect, {} are connected; is it plugged in, with its own power?",
+           std::max(0, count));
     }
     if (::freenect_open_device(context_.get(), &device_, index) < 0) {
-      fail("cannot be opened: another program may use it, or this user may not (docs/cameras.md says how to allow it)");
+      fail(
+          "cannot be opened: another program may use it, or this user may not (docs/cameras.md says how to "
+          "allow it)");
     }
     ::freenect_set_user(device_, this);
     ::freenect_set_depth_callback(device_, take);
     mode_ = ::freenect_find_depth_mode(FREENECT_RESOLUTION_MEDIUM, format);
-    if (mode_.is_valid == 0 || ::freenect_set_depth_mode(device_, mode_) < 0) fail("cannot be set to this format of depth");
+    if (mode_.is_valid == 0 || ::freenect_set_depth_mode(device_, mode_) < 0)
+      fail("cannot be set to this format of depth");
   }
   ~Kinect() {
     if (device_ == nullptr) return;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// knuckle-camera: holds the libraries of cameras for the program `knuckle`, which starts it and reads messages
-// (camera_messages.h) from its standard output. It ends when its standard input is closed.
+// knuckle-camera: holds the libraries of cameras for the program `knuckle`, which starts it and reads
+// messages (camera_messages.h) from its standard output. It ends when its standard input is closed.
 //
 //   knuckle-camera list freenect|openni2
 //   knuckle-camera freenect INDEX raw|mm
 //   knuckle-camera openni2 URI WIDTH HEIGHT RATE
-//   knuckle-camera oni FILE              with questions on standard input: numbers of frames, 8 bytes each
-#include <cerrno>
-#include <csignal>
+//   knuckle-camera oni FILE
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -26,11 +25,9 @@
 namespace knuckle {
 namespace {
 
-constexpr int kQuestions = 0;  // standard input
-
 /// Whether the other end of standard input is closed, after this many milliseconds at most; -1: any time.
 bool is_input_closed(int longest_ms) {
-  pollfd waiting{kQuestions, 0, 0};
+  pollfd waiting{STDIN_FILENO, 0, 0};
   return ::poll(&waiting, 1, longest_ms) > 0 && (waiting.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
 
@@ -79,13 +76,11 @@ void run(const Program& program, const std::vector<std::string>& arguments) {
     limit_what_a_file_can_do();
     read_oni(program, arguments[1]);
   } else {
-    fail("knuckle-camera was called with arguments that it does not know; it belongs to another version of Knuckle");
+    fail(
+        "knuckle-camera was called with arguments that it does not know; it belongs to another version of "
+        "Knuckle");
   }
 }
-
-}  // namespace
-
-namespace {
 
 /// Nobody reads any more: there is nothing left to do.
 void end_unless(bool is_written) {
@@ -116,15 +111,6 @@ void Program::send_end() const {
 
 bool Program::is_gone() const {
   return is_input_closed(0);
-}
-
-std::optional<std::int64_t> Program::next_question() const {
-  std::int64_t number = 0;
-  ssize_t count = 0;
-  do count = ::read(kQuestions, &number, sizeof number);
-  while (count < 0 && errno == EINTR);
-  if (count != static_cast<ssize_t>(sizeof number)) return std::nullopt;
-  return number;
 }
 
 }  // namespace knuckle

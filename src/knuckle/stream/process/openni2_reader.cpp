@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <OpenNI.h>
@@ -12,7 +13,7 @@
 namespace knuckle {
 namespace {
 
-constexpr int kPatienceMs = 200;     // until the program is looked at
+constexpr int kPatienceMs = 200;      // until the program is looked at
 constexpr int kFrameOfFileMs = 5000;  // a file is read as fast as it can be
 
 /// What OpenNI2 says of its last fault, in one line.
@@ -25,15 +26,16 @@ std::string last_fault() {
 }
 
 void require(openni::Status status, std::string_view what) {
-  if (status != openni::STATUS_OK) fail("{}: OpenNI2: {}", what, last_fault());
+  if (status != openni::STATUS_OK) fail("{} (OpenNI2: {})", what, last_fault());
 }
 
 /// A device or file with its depth stream.
 class DepthDevice {
  public:
-  explicit DepthDevice(const char* uri) {
-    require(openni::OpenNI::initialize(), "cannot be opened");
-    require(device_.open(uri), "cannot be opened");
+  /// `fault` is what to say where it cannot be opened.
+  DepthDevice(const char* uri, std::string_view fault) {
+    require(openni::OpenNI::initialize(), fault);
+    require(device_.open(uri), fault);
     if (!device_.hasSensor(openni::SENSOR_DEPTH)) fail("has no depth");
     require(stream_.create(device_, openni::SENSOR_DEPTH), "its depth cannot be read");
   }
@@ -76,19 +78,27 @@ class DepthDevice {
   openni::VideoStream stream_;
 };
 
-/// The rows of a frame, without what lies between them.
-std::vector<std::uint8_t> pixels_of(const openni::VideoFrameRef& frame, const PipedDescription& description) {
+/// Whether a frame has all pixels that it should have.
+bool has_size_of(const openni::VideoFrameRef& frame, const PipedDescription& description) {
   const std::size_t row = 2 * static_cast<std::size_t>(description.width);
   const auto stride = static_cast<std::size_t>(std::max(0, frame.getStrideInBytes()));
-  const bool is_of_its_size = frame.getWidth() == static_cast<int>(description.width) &&
-                              frame.getHeight() == static_cast<int>(description.height) && stride >= row &&
-                              static_cast<std::size_t>(std::max(0, frame.getDataSize())) >=
-                                  stride * (description.height - 1) + row;
-  if (!is_of_its_size) fail("a frame is not {} x {} pixels", description.width, description.height);
+  const auto bytes = static_cast<std::size_t>(std::max(0, frame.getDataSize()));
+  return frame.getWidth() == static_cast<int>(description.width) &&
+         frame.getHeight() == static_cast<int>(description.height) && stride >= row &&
+         bytes >= stride * (description.height - 1) + row;
+}
+
+/// The rows of a frame, without what lies between them.
+std::vector<std::uint8_t> pixels_of(const openni::VideoFrameRef& frame, const PipedDescription& description) {
+  if (!has_size_of(frame, description))
+    fail("a frame is not {} x {} pixels", description.width, description.height);
+  const std::size_t row = 2 * static_cast<std::size_t>(description.width);
+  const auto stride = static_cast<std::size_t>(frame.getStrideInBytes());
   const auto* from = static_cast<const std::uint8_t*>(frame.getData());
   std::vector<std::uint8_t> pixels;
   pixels.reserve(row * description.height);
-  for (std::uint32_t i = 0; i < description.height; ++i, from += stride) pixels.insert(pixels.end(), from, from + row);
+  for (std::uint32_t i = 0; i < description.height; ++i, from += stride)
+    pixels.insert(pixels.end(), from, from + row);
   return pixels;
 }
 
@@ -120,8 +130,8 @@ void set_mode(openni::VideoStream& stream, int width, int height, int rate_hz) {
     offered += fmt::format("{}{}x{} at {}", offered.empty() ? "" : ", ", mode.getResolutionX(),
                            mode.getResolutionY(), mode.getFps());
   }
-  fail("does not offer {}x{}{}; it offers {}", width, height, rate_hz > 0 ? fmt::format(" at {}", rate_hz) : "",
-       offered.empty() ? "nothing" : offered);
+  fail("does not offer {}x{}{}; it offers {}", width, height,
+       rate_hz > 0 ? fmt::format(" at {}", rate_hz) : "", offered.empty() ? "nothing" : offered);
 }
 
 void require_depth(const openni::VideoStream& stream) {
@@ -129,44 +139,18 @@ void require_depth(const openni::VideoStream& stream) {
   if (!is_depth(stream.getVideoMode())) fail("sends another format than depth ({})", format);
 }
 
-/// Answers what the program asks for, frame by frame.
-class OniReader {
- public:
-  explicit OniReader(const std::string& path) : depth_(path.c_str()) {
-    if (!depth_.device().isFile()) fail("is not an .oni recording");
-    openni::PlaybackControl* const playback = depth_.device().getPlaybackControl();
-    if (playback == nullptr) fail("cannot be played");
-    require_depth(depth_.stream());
-    require(playback->setSpeed(-1.0f), "cannot be played");  // as fast as it is read
-    playback->setRepeatEnabled(false);
-    description_ = depth_.description();
-    description_.frames = playback->getNumberOfFrames(depth_.stream());
-    require(depth_.stream().start(), "cannot be played");
+/// Sends all frames of a recording. OpenNI2 can also go to a frame, and crashes as it does (2.2.0.33).
+void send_recording(const Program& program, DepthDevice& depth, const PipedDescription& description) {
+  std::int64_t number = -1;
+  while (number + 1 < description.frames) {
+    if (!depth.wait(kFrameOfFileMs))
+      fail("OpenNI2 gives no more frames after the first {}; is the file cut short or damaged?", number + 1);
+    const openni::VideoFrameRef frame = depth.take();
+    number = frame.getFrameIndex() - 1;
+    if (!has_size_of(frame, description)) continue;  // who reads its neighbours sees that it is missing
+    program.send({number, seconds_of(frame)}, pixels_of(frame, description));
   }
-  const PipedDescription& description() const { return description_; }
-
-  void answer(const Program& program, std::int64_t number) {
-    if (number != next_) {
-      openni::PlaybackControl& playback = *depth_.device().getPlaybackControl();
-      require(playback.seek(depth_.stream(), static_cast<int>(number) + 1), "cannot be found");
-    }
-    next_ = number + 1;
-    // What was read ahead before the seek comes first.
-    for (int tries = 0; tries < 8; ++tries) {
-      if (!depth_.wait(kFrameOfFileMs)) break;
-      const openni::VideoFrameRef frame = depth_.take();
-      if (frame.getFrameIndex() != number + 1) continue;
-      program.send({number, seconds_of(frame)}, pixels_of(frame, description_));
-      return;
-    }
-    fail("OpenNI2 does not give it; is the file cut short or damaged?");
-  }
-
- private:
-  DepthDevice depth_;
-  PipedDescription description_;
-  std::int64_t next_ = 0;
-};
+}
 
 }  // namespace
 
@@ -175,11 +159,13 @@ void list_openni2(const Program& program) {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   for (int i = 0; i < devices.getSize(); ++i)
-    program.send_listing(devices[i].getUri(), fmt::format("{} {}", devices[i].getVendor(), devices[i].getName()));
+    program.send_listing(devices[i].getUri(),
+                         fmt::format("{} {}", devices[i].getVendor(), devices[i].getName()));
 }
 
 void read_openni2(const Program& program, const std::string& uri, int width, int height, int rate_hz) {
-  DepthDevice depth(uri.empty() ? nullptr : uri.c_str());
+  DepthDevice depth(uri.empty() ? nullptr : uri.c_str(),
+                    "cannot be opened; is it plugged in, and may this user use it (docs/cameras.md)?");
   if (depth.device().isFile()) fail("is a file; read it as oni:FILE");
   set_mode(depth.stream(), width, height, rate_hz);
   require_depth(depth.stream());
@@ -195,9 +181,18 @@ void read_openni2(const Program& program, const std::string& uri, int width, int
 }
 
 void read_oni(const Program& program, const std::string& path) {
-  OniReader reader(path);
-  program.send(reader.description());
-  while (const auto number = program.next_question()) reader.answer(program, *number);
+  DepthDevice depth(path.c_str(), "cannot be opened; is it an .oni recording, and whole?");
+  openni::PlaybackControl* const playback = depth.device().getPlaybackControl();
+  if (!depth.device().isFile() || playback == nullptr) fail("is not an .oni recording");
+  require_depth(depth.stream());
+  require(playback->setSpeed(-1.0f), "cannot be played");  // as fast as it is read
+  playback->setRepeatEnabled(false);
+  PipedDescription description = depth.description();
+  description.frames = playback->getNumberOfFrames(depth.stream());
+  program.send(description);
+  require(depth.stream().start(), "cannot be played");
+  send_recording(program, depth, description);
+  program.send_end();
 }
 
 }  // namespace knuckle
