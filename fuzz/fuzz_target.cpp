@@ -18,6 +18,7 @@ constexpr std::array<FuzzTarget, 29> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
+    {"camera_messages", run_camera_messages},
     {"control", run_control},
     {"csv", run_csv},
     {"dataset_toml", run_dataset_toml},
