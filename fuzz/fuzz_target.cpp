@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 29> kTargets{{
+constexpr std::array<FuzzTarget, 30> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
