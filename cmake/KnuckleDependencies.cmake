@@ -22,6 +22,10 @@ find_package(Threads REQUIRED)
 # The server of `live --view` alone: without Boost the program has none, and says so.
 find_package(Boost 1.74 QUIET)
 
+# Cameras, and recordings of OpenNI2, each in a process of its own: without its library the program has none, and says so.
+pkg_check_modules(FREENECT QUIET IMPORTED_TARGET libfreenect)
+pkg_check_modules(OPENNI2 QUIET IMPORTED_TARGET libopenni2)
+
 # The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the three modules that we use ourselves.
 find_path(OPENCV_INCLUDE_FOLDER opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 add_library(knuckle_opencv INTERFACE IMPORTED GLOBAL)

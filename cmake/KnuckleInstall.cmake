@@ -12,6 +12,7 @@ set(data_folder ${CMAKE_INSTALL_DATADIR}/knuckle)
 install(TARGETS knuckle_runtime knuckle_library EXPORT knuckleTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS knuckle-camera RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/knuckle)
 # Where the program alone was built it is not there.
 install(TARGETS knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training OPTIONAL)
 

@@ -14,10 +14,11 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 31> kTargets{{
+constexpr std::array<FuzzTarget, 32> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
+    {"camera_messages", run_camera_messages},
     {"control", run_control},
     {"csv", run_csv},
     {"dataset_toml", run_dataset_toml},

@@ -72,6 +72,7 @@ void run_source(Bytes bytes);
 void run_calibration(Bytes bytes);
 void run_journal(Bytes bytes);
 void run_frame_log(Bytes bytes);
+void run_camera_messages(Bytes bytes);
 void run_fakenect(Bytes bytes);
 void run_rosbag(Bytes bytes);
 void run_mcap(Bytes bytes);

@@ -3,6 +3,7 @@
 #include "fuzz_target.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string_view>
 
 #include "knuckle/data/readers/azure_calibration.h"
@@ -12,6 +13,8 @@
 #include "knuckle/data/readers/mkv_source.h"
 #include "knuckle/data/readers/pgm_image.h"
 #include "knuckle/data/readers/rosbag_source.h"
+#include "knuckle/stream/camera_messages.h"
+#include "knuckle/stream/process_stream.h"
 
 namespace knuckle::fuzz {
 
@@ -23,6 +26,20 @@ void run_fakenect(Bytes bytes) {
   if (image == std::string_view::npos) return;
   const Image<std::uint16_t> stored = decode_pgm16(text.substr(image), "fuzz.pgm");
   (void)kinect_depth_mm(stored, kinect_format_of(stored, "", "fuzz.pgm"), "fuzz.pgm");
+}
+
+/// What a camera's process may say: a head, and then one of its messages.
+void run_camera_messages(Bytes bytes) {
+  CameraMessageHead head;
+  if (bytes.size() < sizeof head + sizeof(PipedDescription)) return;
+  std::memcpy(&head, bytes.data(), sizeof head);
+  check(head, "fuzz");
+  const auto rest = bytes.subspan(sizeof head);
+  ReceivedMessage message{CameraMessage::frame, {rest.begin() + sizeof(PipedDescription), rest.end()}};
+  const PipedDescription description = parse_description(rest.first(sizeof(PipedDescription)), "fuzz");
+  (void)intrinsics_of(description);
+  (void)parse_piped_frame(message.bytes, description, "fuzz");
+  (void)depth_of(message, description, "fuzz");
 }
 
 namespace {

@@ -17,6 +17,8 @@ packages=(
   libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libzstd-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   # the server of `live --view` (headers alone)
   libboost-dev
+  # cameras, and recordings of OpenNI2
+  libfreenect-dev libopenni2-dev
 )
 development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py

@@ -39,6 +39,8 @@ TEST_F(VerbsTest, EveryVerbHasHelpWithAnExampleAndThreads) {
                                                {"shrink"},
                                                {"estimate"},
                                                {"live"},
+                                               {"record"},
+                                               {"cameras"},
                                                {"landmarks"},
                                                {"evaluate"},
                                                {"experiment"},
@@ -97,6 +99,7 @@ TEST_F(VerbsTest, InfoListsEveryMethodByKind) {
   const ProgramRun run = run_program({"info", "--json"});
   ASSERT_THAT(run, Succeeded());
   const auto info = nlohmann::json::parse(run.out);
+  EXPECT_THAT(info["cameras"].get<std::vector<std::string>>(), Contains("v4l2"));
   EXPECT_THAT(info["segmenters"].get<std::vector<std::string>>(), Contains("mean_shift"));
   EXPECT_THAT(info["estimators"].get<std::vector<std::string>>(), Contains("forest"));
   EXPECT_THAT(info["refiners"].get<std::vector<std::string>>(), Contains("depth_lookup"));

@@ -77,6 +77,11 @@ def check_files(prefix):
         # It starts /proc/self/exe, which in a user's program is the user's.
         assert b"run_own_program" not in library.read_bytes(), f"{library} holds the module experiment"
     assert (prefix / "bin/knuckle-train-network").exists()
+    assert (prefix / "libexec/knuckle/knuckle-camera").exists()
+    # Only the program that reads cameras needs their libraries.
+    for library in (b"libfreenect", b"libOpenNI2"):
+        assert library not in run("ldd", prefix / "bin/knuckle"), f"knuckle loads {library}"
+    assert b"cannot be found" not in run(prefix / "bin/knuckle", "cameras"), "knuckle-camera is not where knuckle looks"
     # Only the program that trains networks needs LibTorch, nothing that a user of the library links.
     assert b"libtorch" not in run("ldd", prefix / "bin/knuckle"), "knuckle loads LibTorch"
 

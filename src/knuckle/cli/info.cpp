@@ -10,6 +10,7 @@
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/segmenter_factory.h"
+#include "knuckle/stream/open_camera.h"
 #include "knuckle/view/live_server.h"
 
 namespace knuckle::cli {
@@ -28,9 +29,19 @@ Names as_names(const Range& range) {
   return Names(range.begin(), range.end());
 }
 
+/// Kinds of camera that this build can open.
+Names camera_names() {
+  Names names;
+  for (const CameraKind& kind : camera_kinds()) {
+    if (kind.is_built) names.emplace_back(kind.name);
+  }
+  return names;
+}
+
 /// Every method by kind.
 nlohmann::ordered_json methods() {
   return {{"sources", source_kinds()},
+          {"cameras", camera_names()},
           {"writers", Names{"folder", "h5", "icg"}},
           {"segmenters", as_names(segmenter_names())},
           {"estimators", as_names(estimator_names())},

@@ -78,6 +78,7 @@ void tell(const LiveCounts& counts, const DurationHistogram& latency, bool is_be
   std::FILE* const where = is_beside_records ? stderr : stdout;
   fmt::print(where, "{} frames came, {} passed over, a hand in {} of {}", counts.arrived, counts.passed_over,
              counts.found, counts.results);
+  if (counts.lost > 0) fmt::print(where, "; the camera lost {} on the way", counts.lost);
   if (counts.results > 0) {
     fmt::print(where, "; from a frame to its record {:.1f} ms, {:.1f} ms at most in 99 of 100",
                *latency.median_ms(), *latency.percentile_ms(99.0));
@@ -130,6 +131,7 @@ void run_live_verb(const LiveArguments& arguments) {
   lines.finish();
   tell(counts, latency, arguments.records == "-");
   recording.finish();
+  if (!counts.why_camera_is_lost.empty()) fail("{}", counts.why_camera_is_lost);
   if (counts.unreadable > 0) {
     fail("{}: {} frames could not be read; the first: {}", arguments.source, counts.unreadable, counts.fault);
   }
@@ -173,14 +175,13 @@ void add_view_options(CLI::App& verb, const std::shared_ptr<LiveArguments>& argu
 }  // namespace
 
 void add_live(CLI::App& program) {
-  CLI::App& verb =
-      add_verb(program, "live", "Follow hands while they move: in a recording or data set, played",
-               "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
+  CLI::App& verb = add_verb(
+      program, "live", "Follow hands while they move: before a camera, or in a recording or data set, played",
+      "knuckle live --source 'synthetic:manifests/demo.toml?rate=30' --view 0 --records -");
   auto arguments = std::make_shared<LiveArguments>();
   verb.add_option("--source", arguments->source,
-                  "Where frames come from, KIND:PATH[?rate=60&loop=1]; `knuckle info` lists the kinds; "
-                  "without a rate "
-                  "they come at their own times")
+                  "Where frames come from: a camera, as `knuckle cameras` lists them, or a source, played: "
+                  "KIND:PATH[?rate=60&loop=1], as `knuckle info` lists the kinds")
       ->type_name("STREAM")
       ->required();
   verb.add_option("--pipeline", arguments->pipeline,

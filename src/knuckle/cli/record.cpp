@@ -31,6 +31,7 @@ struct Arrived {
   std::int64_t unreadable = 0;
   std::string fault;  ///< of the first that could not be read
   double seconds = 0.0;
+  std::string why_camera_is_lost;  ///< empty where it is not
 };
 
 /// Hands over the frames of a stream until it ends, or is to.
@@ -46,6 +47,9 @@ Arrived record_stream(FrameStream& stream, const RecordArguments& arguments, Fra
       recorder.put(std::make_shared<const Frame>(*std::move(frame)));
       ++arrived.frames;
     } catch (const Interrupted&) {
+      break;
+    } catch (const DeviceLost& error) {
+      arrived.why_camera_is_lost = error.what();
       break;
     } catch (const Error& error) {
       if (arrived.unreadable++ == 0) arrived.fault = error.what();
@@ -70,6 +74,9 @@ void run_record_verb(const RecordArguments& arguments) {
   const RecordingState state = recorder.state();
   fmt::print("{}: {} of {} frames in {:.1f} s\n", arguments.out.string(), state.frames, arrived.frames,
              arrived.seconds);
+  if (const std::int64_t lost = stream->lost_frames(); lost > 0)
+    fmt::print(stderr, "warning: the camera lost {} frames on the way\n", lost);
+  if (!arrived.why_camera_is_lost.empty()) fail("{}", arrived.why_camera_is_lost);
   if (arrived.unreadable > 0) {
     fail("{}: {} frames could not be read; the first: {}", arguments.source, arrived.unreadable,
          arrived.fault);

@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInstalledFolder = "share/knuckle";
+constexpr const char* kHelperFolder = "libexec/knuckle";
 // From PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3, where a processor's own variant of the library
 // lies, it is four folders up to PREFIX.
 constexpr int kFoldersAbove = 4;
@@ -53,20 +54,26 @@ fs::path own_file() {
   return unknown ? fs::path() : path;
 }
 
-fs::path find_installed_folder() {
-  const fs::path start = own_file().parent_path();
-  fs::path folder = start;
+/// What lies at a place in our own folder, or the nearest one above it; empty where nothing does.
+fs::path find_at_or_above(const fs::path& place) {
+  fs::path folder = own_file().parent_path();
   std::error_code unknown;
   for (int above = 0; above <= kFoldersAbove; ++above, folder = folder.parent_path()) {
     // A build's share/knuckle is a link to the source tree: that is the name to show.
-    if (fs::is_directory(folder / kInstalledFolder, unknown)) return fs::canonical(folder / kInstalledFolder);
+    if (fs::exists(folder / place, unknown)) return fs::canonical(folder / place);
   }
+  return {};
+}
+
+fs::path find_installed_folder() {
+  const fs::path found = find_at_or_above(kInstalledFolder);
+  if (!found.empty()) return found;
   fail(
       "Knuckle's models and pipelines cannot be found: there is no {} in {} or the {} folders above it; "
       "install "
       "Knuckle as a whole, set KNUCKLE_HOME to the folder that holds models/ and pipelines/, or call "
       "set_data_folder() in your program",
-      kInstalledFolder, start.string(), kFoldersAbove);
+      kInstalledFolder, own_file().parent_path().string(), kFoldersAbove);
 }
 
 }  // namespace
@@ -88,6 +95,14 @@ fs::path resource_path(std::string_view relative) {
   if (const char* home = std::getenv("KNUCKLE_HOME")) return fs::path(home) / relative;
   static const fs::path installed = find_installed_folder();
   return installed / relative;
+}
+
+fs::path helper_program(std::string_view name) {
+  const fs::path place = fs::path(kHelperFolder) / name;
+  fs::path found = find_at_or_above(place);
+  if (!found.empty()) return found;
+  fail("{} cannot be found: there is no {} in {} or the {} folders above it; install Knuckle as a whole",
+       name, place.string(), own_file().parent_path().string(), kFoldersAbove);
 }
 
 }  // namespace knuckle

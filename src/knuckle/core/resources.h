@@ -25,4 +25,9 @@ void set_data_folder(const std::filesystem::path& folder);
 /// Error that says where it looked where none of the three is there. May be called from any thread.
 std::filesystem::path resource_path(std::string_view relative);
 
+/// A program that Knuckle starts by itself: libexec/knuckle/NAME in the folder of the shared library (or
+/// program) that contains this function or up to four folders above it. Throws an Error where it is missing.
+/// May be called from any thread.
+std::filesystem::path helper_program(std::string_view name);
+
 }  // namespace knuckle

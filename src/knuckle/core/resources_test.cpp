@@ -94,5 +94,11 @@ TEST_F(ResourcesTest, ManyThreadsMaySetAndAsk) {
   });
 }
 
+TEST(HelperProgram, OneThatIsMissingIsNamedWithWhereItWasLookedFor) {
+  EXPECT_THAT(testing::error_of([] { helper_program("knuckle-nothing"); }),
+              ::testing::AllOf(::testing::HasSubstr("knuckle-nothing cannot be found"),
+                               ::testing::HasSubstr("libexec/knuckle/knuckle-nothing")));
+}
+
 }  // namespace
 }  // namespace knuckle::testing

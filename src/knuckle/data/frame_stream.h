@@ -5,10 +5,17 @@
 #include <memory>
 #include <optional>
 
+#include "knuckle/core/error.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/data/frame_source.h"
 
 namespace knuckle {
+
+/// A camera is gone: it was unplugged, or sends nothing any more. Its stream has ended.
+class DeviceLost : public Error {
+ public:
+  using Error::Error;
+};
 
 /// Frames as they come, one after another, for one reader: a camera, a recording, or a source played.
 class FrameStream {
@@ -18,8 +25,11 @@ class FrameStream {
   /// The next frame; blocks until it is there. Nothing: the stream has ended, and stays so.
   ///
   /// Throws an Error that names the file or device where the next frame cannot be read. Whoever can do
-  /// without that frame calls again for the one after it; a device that was lost has ended then.
+  /// without that frame calls again for the one after it; a device that was lost has ended then, which
+  /// DeviceLost says.
   virtual std::optional<Frame> next() = 0;
+  /// Frames that a camera took but that never came: lost on the way, for lack of time or of whole data.
+  virtual std::int64_t lost_frames() const { return 0; }
 };
 
 /// A source played in order, as fast as it is read.

@@ -118,6 +118,12 @@ Settings parse_settings(std::string_view query, std::string_view whole) {
 }  // namespace
 
 SourceSpec parse_source_spec(std::string_view text) {
+  SourceSpec spec = parse_camera_spec(text);
+  if (spec.path.empty()) fail("source '{}' names no path; expected KIND:PATH[?key=value&...]", text);
+  return spec;
+}
+
+SourceSpec parse_camera_spec(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos || colon == 0)
     fail("source '{}' names no kind; expected KIND:PATH[?key=value&...]", text);
@@ -127,7 +133,6 @@ SourceSpec parse_source_spec(std::string_view text) {
     spec.settings = parse_settings(path.substr(question + 1), text);
     path = path.substr(0, question);
   }
-  if (path.empty()) fail("source '{}' names no path; expected KIND:PATH[?key=value&...]", text);
   spec.path = path;
 
   SettingsReader reader(spec.settings, fmt::format("source '{}'", text));

@@ -29,6 +29,9 @@ struct SourceSpec {
 /// opens it.
 SourceSpec parse_source_spec(std::string_view text);
 
+/// The same for what need not have a path: a camera, as in `freenect:`.
+SourceSpec parse_camera_spec(std::string_view text);
+
 namespace detail {
 void read_settings(const SourceSpec& spec, const std::function<void(OptionVisitor&)>& show_options);
 }  // namespace detail

@@ -8,6 +8,7 @@
 #include "knuckle/core/named_table.h"
 #include "knuckle/data/played_stream.h"
 #include "knuckle/data/readers/open_dataset.h"
+#include "knuckle/stream/open_camera.h"
 #include "knuckle/synth/synthetic_source.h"
 
 namespace knuckle {
@@ -21,6 +22,7 @@ std::unique_ptr<FrameSource> open_manifest(const SourceSpec& spec) {
 /// The data sets', and the generator's.
 std::vector<DatasetKind> all_kinds() {
   std::vector<DatasetKind> kinds(dataset_kinds().begin(), dataset_kinds().end());
+  kinds.push_back({"oni", "recording of OpenNI2, one .oni file", open_oni});
   kinds.push_back({"synthetic", "frames rendered as a manifest says, as they are read", open_manifest});
   return kinds;
 }
@@ -32,14 +34,27 @@ std::unique_ptr<FrameSource> open_source_of(const SourceSpec& spec) {
   return open_frames(*kind, spec);
 }
 
+/// A stream is a camera or a source.
+void require_kind_of_stream(const SourceSpec& spec) {
+  const std::vector<DatasetKind> sources = all_kinds();
+  if (row_named(sources, spec.kind) != nullptr) return;
+  std::vector<std::string_view> names = names_of(sources);
+  for (const CameraKind& kind : camera_kinds()) names.push_back(kind.name);
+  fail("{}: {}", spec.text, unknown_name("kind of stream", spec.kind, names));
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_source(std::string_view text) {
+  if (names_a_camera(text))
+    fail("{}: is a camera, for `live` and `record`; record it, and use the recording", text);
   return open_source_of(parse_source_spec(text));
 }
 
 std::unique_ptr<FrameStream> open_stream(std::string_view text) {
+  if (names_a_camera(text)) return open_camera(text);
   SourceSpec of_source = parse_source_spec(text);
+  require_kind_of_stream(of_source);
   SourceSpec of_stream = of_source;
   const auto is_of_stream = [](const auto& setting) {
     return setting.first == "rate" || setting.first == "loop";

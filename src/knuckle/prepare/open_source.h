@@ -17,7 +17,7 @@ namespace knuckle {
 std::unique_ptr<FrameSource> open_source(std::string_view text);
 
 /// Opens any stream: a source as `open_source` takes it, with the settings of PlayOptions beside its own,
-/// played as a camera would give its frames.
+/// played as a camera would give its frames; or a camera, as `open_camera` takes it.
 std::unique_ptr<FrameStream> open_stream(std::string_view text);
 
 /// Names of all kinds of source.

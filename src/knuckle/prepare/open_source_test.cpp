@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 TEST(OpenSource, KnowsTheDataSetsAndTheGenerator) {
   EXPECT_THAT(source_kinds(), ElementsAre("folder", "icg", "icvl", "nyu", "msra15", "hands17", "h5",
-                                          "fakenect", "rosbag", "mcap", "mkv", "synthetic"));
+                                          "fakenect", "rosbag", "mcap", "mkv", "oni", "synthetic"));
   EXPECT_TRUE(names_a_source("synthetic:m.toml"));
   EXPECT_TRUE(names_a_source("h5:C:/a.h5"));
   EXPECT_FALSE(names_a_source("synthetic"));
@@ -26,9 +26,11 @@ TEST(OpenSource, KnowsTheDataSetsAndTheGenerator) {
 }
 
 TEST(OpenSource, NamesAnUnknownKindAndTheNearest) {
-  EXPECT_THAT(error_of([] { open_source("synthetik:m.toml"); }),
-              AllOf(HasSubstr("unknown kind of source 'synthetik' (did you mean 'synthetic'?)"),
-                    HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv, synthetic")));
+  EXPECT_THAT(
+      error_of([] { open_source("synthetik:m.toml"); }),
+      AllOf(HasSubstr("unknown kind of source 'synthetik' (did you mean 'synthetic'?)"),
+            HasSubstr(
+                "folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv, oni, synthetic")));
 }
 
 TEST(OpenSource, TheGeneratorTakesSelectionsAndNoSettings) {

@@ -54,6 +54,8 @@ class Arrivals {
     counts.passed_over = way_.lost();
     counts.unreadable = unreadable_;
     counts.fault = fault_;
+    counts.lost = stream_.lost_frames();
+    counts.why_camera_is_lost = why_camera_is_lost_;
   }
 
  private:
@@ -72,6 +74,9 @@ class Arrivals {
     std::optional<Frame> frame;
     try {
       frame = stream_.next();
+    } catch (const DeviceLost& error) {
+      why_camera_is_lost_ = error.what();
+      return false;
     } catch (const Error& error) {
       if (unreadable_++ == 0) fault_ = error.what();
       return true;
@@ -92,6 +97,7 @@ class Arrivals {
   std::atomic<std::int64_t> arrived_ = 0;
   std::int64_t unreadable_ = 0;
   std::string fault_;
+  std::string why_camera_is_lost_;
   std::exception_ptr failure_;
   std::thread thread_;  // the last: it uses the others
 };

@@ -35,7 +35,9 @@ struct LiveCounts {
   std::int64_t results = 0;      ///< frames that were looked at
   std::int64_t passed_over = 0;  ///< frames for which there was no time: a newer one was there
   std::int64_t unreadable = 0;
-  std::string fault;  ///< of the first that could not be read
+  std::string fault;               ///< of the first that could not be read
+  std::int64_t lost = 0;           ///< frames that the camera took but that never came
+  std::string why_camera_is_lost;  ///< empty where it is not
 };
 
 /// Runs the pipeline on what a camera gives, frame by frame, with its tracker where it has one. A thread

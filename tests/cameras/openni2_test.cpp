@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenNI2's own stand-in for a camera ("Dummy"), live and recorded.
+#include "environment_variable.h"
+#include "program.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "knuckle/core/text_file.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kDummyWidth = 320;
+constexpr int kDummyHeight = 240;
+
+template <class Plain>
+void append(std::string& bytes, const Plain& plain) {
+  bytes.append(reinterpret_cast<const char*>(&plain), sizeof plain);
+}
+
+/// What "Dummy" records lacks a property that OpenNI2 needs to play it. It takes the place of another that
+/// has as many bytes and is not needed.
+void add_cropping(std::string& oni) {
+  std::string record("NIR\0", 4);
+  for (const std::uint32_t number : {6U, 1U, 59U, 0U})
+    append(record, number);  // a property, of node 1, its size
+  append(record, std::uint64_t{0});
+  append(record, std::uint32_t{11});
+  record.append("xnCropping\0", 11);
+  append(record, std::uint32_t{12});
+  record.append(12, '\0');  // off
+  constexpr std::size_t kBeforeItsName = 32;
+  const std::size_t place = oni.find("xnIsGenerating") - kBeforeItsName;
+  ASSERT_EQ(oni.substr(place, 3), "NIR");
+  oni.replace(place, record.size(), record);
+}
+
+class Openni2Test : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#ifdef KNUCKLE_ONI_RECORDER
+    const std::string command =
+        fmt::format("'{}' '{}' '{}' {}", KNUCKLE_ONI_RECORDER, path("dummy.oni"), path("dummy.raw"), kFrames);
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    oni_ = read_text_file(folder_ / "dummy.oni");
+    add_cropping(oni_);
+    write_text_file(folder_ / "take.oni", oni_);
+    raw_ = read_text_file(folder_ / "dummy.raw");
+#else
+    GTEST_SKIP() << "OpenNI2 is missing";
+#endif
+  }
+
+  std::string path(const std::string& name) const {
+    return folder_ / name;
+  }
+  /// A frame as it came when it was recorded.
+  Image<float> expected(int index) const {
+    Image<std::uint16_t> counts(kDummyWidth, kDummyHeight);
+    std::memcpy(counts.data(), raw_.data() + 2 * counts.size() * static_cast<std::size_t>(index),
+                2 * counts.size());
+    Image<float> depth_mm(kDummyWidth, kDummyHeight);
+    std::ranges::copy(counts.pixels(), depth_mm.data());
+    return depth_mm;
+  }
+
+  static constexpr int kFrames = 8;
+  TemporaryFolder folder_{};
+  std::string oni_;
+  std::string raw_;
+};
+
+TEST_F(Openni2Test, ARecordingHoldsTheFramesThatCame) {
+  const auto source = open_source("oni:" + path("take.oni") + "?fov_deg=60");
+  ASSERT_GE(source->size(), kFrames);
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(source->read(i).depth_mm, expected(i)) << i;
+    EXPECT_NEAR(source->read(i).time_s.value(), 0.033 * i, 1e-6);
+  }
+  EXPECT_EQ(source->read(0).depth_mm, expected(0));
+  EXPECT_NE(expected(0), expected(1)) << "else the test shows nothing";
+}
+
+TEST_F(Openni2Test, ARecordingIsASourceForAllVerbs) {
+  const std::string source = "oni:" + path("take.oni") + "?fov_deg=60";
+  EXPECT_THAT(run_program({"inspect", "--source", source}).out, HasSubstr("320 x 240 px"));
+  ASSERT_THAT(
+      run_program({"record", "--source", source + "&first=2&count=3&rate=100", "--out", path("part.h5")}),
+      Succeeded());
+  const auto part = open_source("h5:" + path("part.h5"));
+  ASSERT_EQ(part->size(), 3);
+  EXPECT_EQ(part->read(2).depth_mm, expected(4));
+  EXPECT_THAT(run_program({"inspect", "--source", "oni:" + path("take.oni")}),
+              FailedWith("take.oni: its intrinsics are not known"));
+}
+
+TEST_F(Openni2Test, DamagedRecordingsAreErrors) {
+  EXPECT_THAT(run_program({"inspect", "--source", "oni:" + path("none.oni")}), FailedWith("none.oni"));
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{20}, std::size_t{700}, oni_.size() / 4}) {
+    write_text_file(folder_ / "damaged.oni", oni_.substr(0, bytes));
+    EXPECT_THAT(run_program({"inspect", "--source", "oni:" + path("damaged.oni") + "?fov_deg=60"}),
+                FailedWith("damaged.oni: cannot be opened"));
+  }
+  write_text_file(folder_ / "damaged.oni", "an essay on hands");
+  EXPECT_THAT(run_program({"inspect", "--source", "oni:" + path("damaged.oni") + "?fov_deg=60"}),
+              FailedWith("is it an .oni recording"));
+}
+
+TEST_F(Openni2Test, ADamagedByteIsAnErrorOrNoMatter) {
+  std::uint32_t seed = 12345;
+  for (int i = 0; i < 24; ++i) {
+    seed = seed * 1664525U + 1013904223U;
+    std::string damaged = oni_;
+    damaged[seed % 3000] ^= static_cast<char>(1U << (seed >> 29));  // headers, and the first frame
+    write_text_file(folder_ / "damaged.oni", damaged);
+    const ProgramRun run = run_program({"inspect", "--source", "oni:" + path("damaged.oni") + "?fov_deg=60"});
+    if (run.status != 0) {
+      EXPECT_THAT(run, FailedWith("damaged.oni"));
+    }
+  }
+}
+
+TEST_F(Openni2Test, DummyIsACamera) {
+  const ProgramRun run = run_program(
+      {"record", "--source", "openni2:Dummy?fov_deg=60", "--out", path("live.h5"), "--frames", "4"});
+  ASSERT_THAT(run, Succeeded());
+  const auto taken = open_source("h5:" + path("live.h5"));
+  ASSERT_EQ(taken->size(), 4);
+  EXPECT_EQ(taken->read(0).time_s, 0.0);
+  double before = -1.0;
+  for (int i = 0; i < 4; ++i) {
+    // It draws the same frames from its start on.
+    bool is_known = false;
+    for (int k = 0; k < kFrames; ++k) is_known = is_known || taken->read(i).depth_mm == expected(k);
+    EXPECT_TRUE(is_known) << i;
+    EXPECT_GT(taken->read(i).time_s.value(), before);
+    before = taken->read(i).time_s.value();
+  }
+}
+
+TEST_F(Openni2Test, FaultsAreOneLine) {
+  const std::string out = path("x.h5");
+  EXPECT_THAT(run_program({"record", "--source", "openni2:Dummy", "--out", out}),
+              FailedWith("openni2:Dummy: its intrinsics are not known"));
+  EXPECT_THAT(run_program({"record", "--source", "openni2:nothing@1?fov_deg=60", "--out", out}),
+              FailedWith("openni2:nothing@1?fov_deg=60: cannot be opened"));
+  EXPECT_THAT(run_program({"record", "--source", "openni2:Dummy?width=9&height=9&fov_deg=60", "--out", out}),
+              FailedWith("does not offer 9x9; it offers 320x240 at 30"));
+  EXPECT_THAT(
+      run_program({"record", "--source", "openni2:" + path("take.oni") + "?fov_deg=60", "--out", out}),
+      FailedWith("read it as oni:FILE"));
+  EXPECT_THAT(run_program({"cameras", "--check", "openni2:Dummy", "--frames", "5"}).out,
+              HasSubstr("320 x 240 px"));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
