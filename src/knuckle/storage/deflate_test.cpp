@@ -86,5 +86,16 @@ TEST(Deflate, ShuffledPutsLowBytesFirst) {
   EXPECT_EQ(shuffled(std::vector<std::uint16_t>{0x0102, 0x0304}), (std::vector<std::uint8_t>{2, 4, 1, 3}));
 }
 
+TEST(Crc32, GoesOnFromPartToPart) {
+  Random random(7);
+  const std::vector<std::uint8_t> bytes = patches(random, 1000, 256);
+  const std::uint32_t whole = crc32(bytes);
+  EXPECT_EQ(whole, ::crc32(0, bytes.data(), 1000));  // zlib's
+  for (const std::size_t part : {0, 1, 500, 1000}) {
+    const std::span<const std::uint8_t> all(bytes);
+    EXPECT_EQ(crc32(all.subspan(part), crc32(all.first(part))), whole) << part;
+  }
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -64,10 +64,10 @@ void McapFile::check_summary() const {
 }
 
 std::uint32_t McapFile::sum_of(std::uint64_t at, std::uint64_t end) const {
-  constexpr std::uint64_t kBlockBytes = std::uint64_t{1} << 20;
+  constexpr std::uint64_t kSumBlockBytes = std::uint64_t{1} << 20;
   std::uint32_t sum = 0;
   while (at < end) {
-    const std::vector<std::uint8_t> block = read_up_to(at, kBlockBytes, end);
+    const std::vector<std::uint8_t> block = read_up_to(at, kSumBlockBytes, end);
     sum = crc32(block, sum);
     at += block.size();
   }
