@@ -4,10 +4,8 @@
 #include <cstdlib>
 #include <mutex>
 
-#include <dlfcn.h>
-#include <link.h>
-
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_file.h"
 
 namespace knuckle {
 namespace {
@@ -39,18 +37,6 @@ class ChosenFolder {
 ChosenFolder& chosen_folder() {
   static ChosenFolder folder;
   return folder;
-}
-
-/// The shared library that contains this function, or the program where it was linked into that.
-fs::path own_file() {
-  Dl_info ignored{};
-  link_map* library = nullptr;
-  const int found = ::dladdr1(reinterpret_cast<void*>(&own_file), &ignored,
-                              reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP);
-  const bool is_library = found != 0 && library != nullptr && library->l_name[0] != '\0';
-  std::error_code unknown;
-  const fs::path path = fs::canonical(is_library ? library->l_name : "/proc/self/exe", unknown);
-  return unknown ? fs::path() : path;
 }
 
 fs::path find_installed_folder() {
