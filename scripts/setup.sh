@@ -17,6 +17,8 @@ packages=(
   libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   # the server of `live --view` (headers alone)
   libboost-dev
+  # runs ONNX files
+  libopencv-dnn-dev
 )
 development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py
@@ -27,6 +29,8 @@ development_packages=(
   libfreenect-bin
   # shows the page of `live` in its tests
   chromium
+  # checks exported networks
+  python3-onnx
 )
 case "${1:-}" in
   "") packages+=("${development_packages[@]}") ;;
@@ -70,3 +74,4 @@ fi
 
 scripts/fetch_makehuman.sh
 [ "${1:-}" = program ] || scripts/fetch_web_packages.sh
+[ "${1:-}" = program ] || scripts/fetch_onnx_runtime.sh

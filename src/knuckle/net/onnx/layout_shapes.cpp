@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operators that only move numbers, or take whole axes together.
 #include <algorithm>
+#include <limits>
+#include <numeric>
 
 #include "knuckle/net/onnx/node_view.h"
 
@@ -97,7 +99,8 @@ OnnxShape shape_of_unsqueeze(NodeView& node) {
   const OnnxShape& input = node.shape(0);
   const std::vector<std::int64_t> axes = list_of(node, 1, "axes", {});
   constexpr std::size_t kMostSizesAfter = 8;
-  if (axes.empty() || axes.size() + input.size() > kMostSizesAfter) node.fault("it adds {} sizes", axes.size());
+  if (axes.empty() || axes.size() + input.size() > kMostSizesAfter)
+    node.fault("it adds {} sizes", axes.size());
   const std::vector<bool> marks = marked(node, axes, axes.size() + input.size());
   OnnxShape shape;
   auto next = input.begin();
@@ -145,11 +148,19 @@ OnnxShape shape_of_slice(NodeView& node) {
   if (std::ranges::any_of(steps, [](std::int64_t step) { return step != 1; }))
     node.fault("it takes steps other than 1");
   (void)marked(node, axes, shape.size());
+  // Of all axes in their order, as OpenCV wants it.
+  std::vector<std::int64_t> all_axes(shape.size());
+  std::iota(all_axes.begin(), all_axes.end(), 0);
+  std::vector<std::int64_t> all_starts(shape.size(), 0);
+  std::vector<std::int64_t> all_ends = shape;
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    std::int64_t& size = shape[node.place_of(axes[i], shape.size())];
-    size = cut(ends[i], size) - cut(starts[i], size);
+    const std::size_t place = node.place_of(axes[i], shape.size());
+    all_starts[place] = cut(starts[i], shape[place]);
+    all_ends[place] = cut(ends[i], shape[place]);
   }
+  for (std::size_t i = 0; i < shape.size(); ++i) shape[i] = all_ends[i] - all_starts[i];
   node.check_size(shape);
+  node.become("Slice", {{"starts", all_starts}, {"ends", all_ends}, {"axes", all_axes}});
   return shape;
 }
 

@@ -173,6 +173,7 @@ class OnnxChecker {
            static_cast<double>(limits_.work));
     }
     add_tensor(node.outputs.front(), std::move(shape), what);
+    node.name = node.outputs.front();  // OpenCV wants names that are there once
   }
 
   /// Numbers of inputs and outputs, and the names of attributes. Optional outputs that nobody asks for go.

@@ -53,7 +53,7 @@ LoadedLibrary load_engine_library() {
   const auto function = reinterpret_cast<OnnxEngineFunction>(::dlsym(handle, kEngineFunction));
   if (function == nullptr)
     return {nullptr, fmt::format("{} is of another version of Knuckle", library.string())};
-  return {&function(), {}};
+  return {function(), {}};
 }
 
 const LoadedLibrary& loaded_library() {

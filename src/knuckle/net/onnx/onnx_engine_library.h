@@ -19,6 +19,6 @@ struct OnnxEngineMaker {
   std::unique_ptr<OnnxEngine> (*create)(std::string_view bytes, const OnnxModel& model);
 };
 /// The function that the library exports under the name kEngineFunction.
-using OnnxEngineFunction = const OnnxEngineMaker& (*)();
+using OnnxEngineFunction = const OnnxEngineMaker* (*)();
 
 }  // namespace knuckle

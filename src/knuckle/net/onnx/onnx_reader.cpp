@@ -43,8 +43,9 @@ std::string_view type_name(std::int64_t type) {
   constexpr std::array<std::string_view, 17> kTypeNames = {
       "no type", "float32", "uint8",   "int8",   "uint16", "int16",     "int32",      "int64",   "text",
       "bool",    "float16", "float64", "uint32", "uint64", "complex64", "complex128", "bfloat16"};
-  return type >= 0 && type < static_cast<std::int64_t>(kTypeNames.size()) ? kTypeNames[static_cast<std::size_t>(type)]
-                                                                      : "an unknown type";
+  return type >= 0 && type < static_cast<std::int64_t>(kTypeNames.size())
+             ? kTypeNames[static_cast<std::size_t>(type)]
+             : "an unknown type";
 }
 
 OnnxType type_of(const ProtobufReader& message, std::int64_t type) {

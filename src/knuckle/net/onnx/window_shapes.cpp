@@ -80,6 +80,11 @@ std::int64_t scaled(const NodeView& node, std::int64_t size, float scale) {
   return static_cast<std::int64_t>(std::floor(static_cast<float>(size) * scale));
 }
 
+/// OpenCV wants to be told what the weights say.
+void tell_kernel(NodeView& node, const Window& window) {
+  node.node().attributes.insert_or_assign("kernel_shape", window.kernel);
+}
+
 }  // namespace
 
 OnnxShape shape_of_convolution(NodeView& node) {
@@ -91,6 +96,7 @@ OnnxShape shape_of_convolution(NodeView& node) {
   }
   check_bias(node, weights[0]);
   const Window window = window_of(node, {weights[2], weights[3]});
+  tell_kernel(node, window);
   OnnxShape shape = checked(node, {input[0], weights[0], places_of(node, window, input[2], 0, false),
                                    places_of(node, window, input[3], 1, false)});
   node.count_work(count_of(shape), weights[1] * weights[2] * weights[3]);
@@ -106,6 +112,7 @@ OnnxShape shape_of_transposed_convolution(NodeView& node) {
   }
   check_bias(node, weights[1] * groups);
   const Window window = window_of(node, {weights[2], weights[3]});
+  tell_kernel(node, window);
   if (window.is_same) node.fault("auto_pad is not read here; export it with pads");
   const std::vector<std::int64_t> more = node.integers("output_padding", {0, 0}, 0, kMostSteps);
   std::array<std::int64_t, 2> sizes{};
@@ -144,6 +151,10 @@ OnnxShape shape_of_resize(NodeView& node) {
   const OnnxShape& input = node.shape(0, 4);
   const std::string mode = node.text("mode", "nearest");
   if (mode != "nearest" && mode != "linear" && mode != "bilinear") node.fault("the mode '{}'", mode);
+  // What is meant where nothing is said; OpenCV wants it said.
+  if (node.opset() >= 11) {
+    node.node().attributes.emplace("coordinate_transformation_mode", std::string("half_pixel"));
+  }
   const std::size_t scales_input = node.input_count() == 2 ? 1 : 2;
   OnnxShape shape = input;
   if (node.has(3)) {

@@ -103,6 +103,6 @@ const OnnxEngineMaker& opencv_maker() {
 }  // namespace
 }  // namespace knuckle
 
-extern "C" [[gnu::visibility("default")]] const knuckle::OnnxEngineMaker& knuckle_onnx_engine_1() {
-  return knuckle::opencv_maker();
+extern "C" [[gnu::visibility("default")]] const knuckle::OnnxEngineMaker* knuckle_onnx_engine_1() {
+  return &knuckle::opencv_maker();
 }
