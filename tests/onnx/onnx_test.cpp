@@ -25,6 +25,7 @@ namespace knuckle::testing {
 namespace {
 
 constexpr int kSkipped = 77;
+constexpr const char* kNoRuntime = "Node.js or onnxruntime-node is missing (scripts/fetch_onnx_runtime.sh)";
 constexpr double kMostMm = 0.01;  // that engines may differ in single precision
 /// Frames that shipped networks are compared on; KNUCKLE_ONNX_FRAMES asks for more.
 int frame_count() {
@@ -39,7 +40,7 @@ int status_of(const std::string& command) {
 
 /// Patches as a pipeline cuts them out of frames that no training has seen.
 std::vector<HandPatch> patches_for(const PatchOptions& options, int count) {
-  const auto source = open_source(fmt::format("synthetic:manifests/test_creative.toml?count={}", count));
+  const auto source = open_source(fmt::format("synthetic:manifests/validate_network.toml?count={}", count));
   const HandFinder finder(OptionTable::parse("[segmentation]\nmethod = \"mean_shift\"\n", "finder"));
   const PatchExtractor extractor(options);
   std::vector<HandPatch> patches;
@@ -132,8 +133,7 @@ TEST_P(ShippedPoseNetwork, GivesTheSamePoseInOnnxRuntime) {
   const std::string answers = folder_ / "answers";
   const int status = status_of("node tests/onnx/run_onnx.cjs " + onnx_ + " " +
                                std::string(folder_ / "inputs") + " " + answers + " > /dev/null 2>&1");
-  if (status == kSkipped || status == 127)
-    GTEST_SKIP() << "onnxruntime-node is missing (scripts/fetch_onnx_runtime.sh)";
+  if (status == kSkipped || status == 127) GTEST_SKIP() << kNoRuntime;
   ASSERT_EQ(status, 0);
   const std::vector<float> numbers = read_floats(answers);
   ASSERT_EQ(numbers.size() % patches.size(), 0u);
@@ -162,29 +162,34 @@ TEST_P(ShippedPoseNetwork, GivesTheSamePoseInOnnxRuntime) {
 TEST(OnnxOperators, MeanTheSameInOnnxRuntime) {
   if (!onnx_support().is_there) GTEST_SKIP() << onnx_support().text;
   const TemporaryFolder folder;
-  const std::string file = folder / "node.onnx";
-  const std::string answers = folder / "answers";
-  for (const OperatorCase& known : operator_cases()) {
-    SCOPED_TRACE(known.model.nodes.back().operation);
-    OnnxModel written = known.model;
-    written.outputs.front().shape = known.output;
-    const OnnxModel checked = checked_onnx(known.model, "node.onnx");
+  const std::vector<OperatorCase> cases = operator_cases();
+  std::string files;
+  std::vector<std::vector<float>> found;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    OnnxModel written = cases[i].model;
+    written.outputs.front().shape = cases[i].output;
+    const OnnxModel checked = checked_onnx(cases[i].model, written.nodes.back().operation);
     std::vector<float> input;
-    for (std::int64_t i = 0; i < count_of(checked.inputs.front().shape); ++i) {
-      input.push_back(static_cast<float>(std::abs(std::sin(static_cast<double>(i)))) + 0.01f);
+    for (std::int64_t k = 0; k < count_of(checked.inputs.front().shape); ++k) {
+      input.push_back(static_cast<float>(std::abs(std::sin(static_cast<double>(k)))) + 0.01f);
     }
-    const std::vector<float> found = create_onnx_engine(checked, "node.onnx")->run(input).front();
-    write_text_file(file, onnx_bytes(written));
-    write_floats(folder / "inputs", input);
-    const int status =
-        status_of("node tests/onnx/run_onnx.cjs " + file + " " + std::string(folder / "inputs") + " " +
-                  answers + " > " + std::string(folder / "log") + " 2>&1");
-    if (status == kSkipped || status == 127)
-      GTEST_SKIP() << "onnxruntime-node is missing (scripts/fetch_onnx_runtime.sh)";
-    ASSERT_EQ(status, 0) << read_regular_file(folder / "log", 1 << 20);
-    const std::vector<float> expected = read_floats(answers);
-    ASSERT_EQ(found.size(), expected.size());
-    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-4) << i;
+    found.push_back(create_onnx_engine(checked, "node.onnx")->run(input).front());
+    const std::string name =
+        fmt::format("{}/{}_{}", folder.path().string(), i, written.nodes.back().operation);
+    write_text_file(name + ".onnx", onnx_bytes(written));
+    write_floats(name + ".in", input);
+    files += fmt::format(" {0}.onnx {0}.in {0}.out", name);
+  }
+  const int status =
+      status_of("node tests/onnx/run_onnx.cjs" + files + " > " + std::string(folder / "log") + " 2>&1");
+  if (status == kSkipped || status == 127) GTEST_SKIP() << kNoRuntime;
+  ASSERT_EQ(status, 0) << read_regular_file(folder / "log", 1 << 20);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const std::string operation = cases[i].model.nodes.back().operation;
+    SCOPED_TRACE(operation);
+    const std::vector<float> expected = read_floats(folder / fmt::format("{}_{}.out", i, operation));
+    ASSERT_EQ(found[i].size(), expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(found[i][k], expected[k], 1e-4) << k;
   }
 }
 

@@ -86,6 +86,7 @@ class OnnxChecker {
     take_constants_from_nodes();
     for (OnnxNode& node : model_.nodes) check_node(node);
     close_outputs();
+    copy_input_for_concat();
     return std::move(model_);
   }
 
@@ -224,6 +225,25 @@ class OnnxChecker {
       if (!names.insert(output.name).second) fail("{}: the output '{}' is there twice", origin_, output.name);
       output.shape = found->second;
     }
+  }
+
+  /// OpenCV 4.6 loses the input where it is joined with constants: it is joined as a copy, itself times 1.
+  void copy_input_for_concat() {
+    const std::string input = model_.inputs.front().name;
+    const std::string copy = "knuckle:copy:" + input;
+    bool is_needed = false;
+    for (OnnxNode& node : model_.nodes) {
+      if (node.operation != "Concat" || !std::ranges::count(node.inputs, input)) continue;
+      std::ranges::replace(node.inputs, input, copy);
+      is_needed = true;
+    }
+    if (!is_needed) return;
+    const std::string what = origin_ + ": a copy of the input";
+    const std::string one = "knuckle:one";
+    check_is_new(one, what);
+    add_tensor(copy, model_.inputs.front().shape, what);
+    model_.constants.emplace(one, real_tensor({1}, {1.0f}));
+    model_.nodes.insert(model_.nodes.begin(), {"Mul", copy, {input, one}, {copy}});
   }
 
   OnnxModel model_;

@@ -152,7 +152,7 @@ TEST(OnnxCheck, MemoryIsBounded) {
   doubling.nodes.clear();
   std::string last = "x";
   for (int i = 0; i < 60; ++i) {
-    const std::string next = "t" + std::to_string(i);
+    const std::string next = fmt::format("t{}", i);
     doubling.nodes.push_back({"Concat", next, {last, last}, {next}, {{"axis", std::int64_t{1}}}});
     last = next;
   }

@@ -63,6 +63,12 @@ TEST_F(OnnxEngineTest, ComputesWhatTheOperatorsSay) {
               ElementsAre(FloatNear(0.268941f, 1e-5f), FloatNear(0.731059f, 1e-5f)));
 }
 
+TEST_F(OnnxEngineTest, TheInputIsJoinedWithConstants) {
+  EXPECT_THAT(
+      run(one_node("Concat", {1, 1, 1, 2}, {{"c", filled({1, 1, 1, 2}, 7.0f)}}, {{"axis", std::int64_t{1}}})),
+      ElementsAre(0, 1, 7, 7));
+}
+
 TEST_F(OnnxEngineTest, GivesAllOutputsInTheirOrder) {
   OnnxModel model = one_node("Relu", {1, 1, 1, 2});
   model.nodes.push_back({"Neg", "negative", {"x"}, {"z"}});

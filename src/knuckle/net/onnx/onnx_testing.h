@@ -28,6 +28,13 @@ inline OnnxModel one_node(std::string operation, OnnxShape input,
   return model;
 }
 
+/// The model with another version of its operators: what newer ones take as inputs are attributes of older
+/// ones.
+inline OnnxModel of_opset(std::int64_t opset, OnnxModel model) {
+  model.opset = opset;
+  return model;
+}
+
 /// A tensor of that shape all of whose numbers are the same.
 inline OnnxTensor filled(OnnxShape shape, float value = 0.5f) {
   const auto count = static_cast<std::size_t>(count_of(shape));
@@ -60,7 +67,7 @@ inline std::vector<OperatorCase> operator_cases() {
     add(one_node(name, image, {{"c", filled({1, 2, 6, 8})}}), image);
   }
   add(one_node("Clip", image, {{"low", filled({}, 0.0f)}, {"high", filled({}, 6.0f)}}), image);
-  add(one_node("Clip", image, {}, {{"min", 0.0f}, {"max", 6.0f}}), image);
+  add(of_opset(9, one_node("Clip", image, {}, {{"min", 0.0f}, {"max", 6.0f}})), image);
   add(one_node("PRelu", image, {{"slope", filled({2, 1, 1})}}), image);
   add(one_node("Softmax", image, {}, {{"axis", std::int64_t{1}}}), image);
   add(one_node("BatchNormalization", image,
@@ -92,15 +99,14 @@ inline std::vector<OperatorCase> operator_cases() {
   add(one_node("Resize", image, {{"", {}}, {"", {}}, {"s", integer_list({1, 2, 12, 16})}},
                {{"mode", std::string("linear")}}),
       {1, 2, 12, 16});
-  OnnxModel upsample = one_node("Upsample", image, {{"s", real_tensor({4}, {1, 1, 2, 2})}},
-                                {{"mode", std::string("nearest")}});
-  upsample.opset = 9;
-  add(std::move(upsample), {1, 2, 12, 16});
+  add(of_opset(9, one_node("Upsample", image, {{"s", real_tensor({4}, {1, 1, 2, 2})}},
+                           {{"mode", std::string("nearest")}})),
+      {1, 2, 12, 16});
   add(one_node("MatMul", row, {{"w", filled({6, 4})}}), {1, 1, 1, 4});
   add(one_node("Reshape", image, {{"s", integer_list({0, -1, 4})}}), {1, 24, 4});
   add(one_node("Flatten", image), {1, 96});
   add(one_node("Squeeze", row, {{"a", integer_list({1})}}), {1, 1, 6});
-  add(one_node("Squeeze", row, {}, {{"axes", Integers{-2, 1}}}), {1, 6});
+  add(of_opset(11, one_node("Squeeze", row, {}, {{"axes", Integers{-2, 1}}})), {1, 6});
   add(one_node("Unsqueeze", row, {{"a", integer_list({0})}}), {1, 1, 1, 1, 6});
   add(one_node("Transpose", image, {}, {{"perm", Integers{0, 2, 3, 1}}}), {1, 6, 8, 2});
   add(one_node("Concat", image, {{"c", filled({1, 3, 6, 8})}}, {{"axis", std::int64_t{1}}}), {1, 5, 6, 8});

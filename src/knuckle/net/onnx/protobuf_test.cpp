@@ -63,9 +63,10 @@ TEST(Protobuf, DamageIsSaid) {
   EXPECT_THAT(fault_of("\x0D\x01\x02"), HasSubstr("cut short"));
   EXPECT_THAT(fault_of("\x0B"), HasSubstr("unknown type 3"));
   EXPECT_THAT(fault_of(std::string("\x00\x00", 2)), HasSubstr("number 0"));
-  EXPECT_THAT(fault_of("\x08" + std::string(10, '\xFF') + "\x01"), HasSubstr("more than 64 bits"));
+  EXPECT_THAT(fault_of(std::string("\x08").append(10, '\xFF').append("\x01")),
+              HasSubstr("more than 64 bits"));
   // A length of 2^64 - 1: compared, not added to a place.
-  EXPECT_THAT(fault_of("\x0A" + std::string(9, '\xFF') + "\x01"), HasSubstr("cut short"));
+  EXPECT_THAT(fault_of(std::string("\x0A").append(9, '\xFF').append("\x01")), HasSubstr("cut short"));
 }
 
 TEST(Protobuf, AFieldOfAnotherKindIsRefused) {
