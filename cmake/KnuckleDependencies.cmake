@@ -38,6 +38,15 @@ target_link_libraries(knuckle_opencv INTERFACE ${OPENCV_core_LIBRARY} ${OPENCV_i
 add_library(knuckle_opencv_codecs INTERFACE IMPORTED GLOBAL)
 target_link_libraries(knuckle_opencv_codecs INTERFACE knuckle_opencv ${OPENCV_imgcodecs_LIBRARY})
 
+# Runs ONNX files: the module net/onnx loads it when it is needed. Without it such files are checked and refused.
+find_library(OPENCV_dnn_LIBRARY opencv_dnn)
+find_path(OPENCV_DNN_INCLUDE_FOLDER opencv2/dnn.hpp PATH_SUFFIXES opencv4)
+if(OPENCV_dnn_LIBRARY AND OPENCV_DNN_INCLUDE_FOLDER)
+  add_library(knuckle_opencv_networks INTERFACE IMPORTED GLOBAL)
+  target_include_directories(knuckle_opencv_networks INTERFACE ${OPENCV_DNN_INCLUDE_FOLDER})
+  target_link_libraries(knuckle_opencv_networks INTERFACE ${OPENCV_core_LIBRARY} ${OPENCV_dnn_LIBRARY})
+endif()
+
 # HDF5 exports variables, not usage requirements.
 add_library(knuckle_libhdf5 INTERFACE IMPORTED GLOBAL)
 target_include_directories(knuckle_libhdf5 INTERFACE ${HDF5_C_INCLUDE_DIRS})

@@ -8,6 +8,10 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME knuckle)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/knuckle)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/knuckle)
 
+if(TARGET knuckle_opencv_dnn)
+  install(TARGETS knuckle_opencv_dnn LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
+
 # KnuckleLibraries.cmake installs the variants for newer processors beside them.
 install(TARGETS knuckle_runtime knuckle_library EXPORT knuckleTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -9,7 +9,7 @@
 # takes the best that the processor can run. No type of a public header may therefore depend on -march.
 include(GNUInstallDirs)
 
-set(KNUCKLE_RUNTIME_MODULES core storage camera hand data forest layers segment patch net estimate refine pipeline track)
+set(KNUCKLE_RUNTIME_MODULES core storage camera hand data forest layers onnx segment patch net estimate refine pipeline track)
 set(KNUCKLE_LIBRARY_MODULES hdf5 hdf5_writer readers writers stream synth prepare eval)
 set(KNUCKLE_VARIANT_LEVELS "")
 set(KNUCKLE_BASE_SUFFIX "")  # of the object libraries of what runs everywhere

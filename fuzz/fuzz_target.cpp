@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 32> kTargets{{
+constexpr std::array<FuzzTarget, 33> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
@@ -37,6 +37,7 @@ constexpr std::array<FuzzTarget, 32> kTargets{{
     {"msra15", run_msra15},
     {"network", run_network},
     {"numbers", run_numbers},
+    {"onnx", run_onnx},
     {"png", run_png},
     {"pose_forest", run_pose_forest},
     {"poses", run_poses},

@@ -53,6 +53,7 @@ void run_pose_forest(Bytes bytes);
 void run_segmentation_forest(Bytes bytes);
 void run_body(Bytes bytes);
 void run_network(Bytes bytes);
+void run_onnx(Bytes bytes);
 void run_hdf5(Bytes bytes);
 void run_h5_set(Bytes bytes);
 void run_png(Bytes bytes);

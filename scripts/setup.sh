@@ -19,6 +19,8 @@ packages=(
   libboost-dev
   # cameras, and recordings of OpenNI2
   libfreenect-dev libopenni2-dev
+  # runs ONNX files
+  libopencv-dnn-dev
 )
 development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py
@@ -29,6 +31,8 @@ development_packages=(
   libfreenect-bin ffmpeg
   # shows the page of `live` in its tests
   chromium
+  # checks exported networks
+  python3-onnx
 )
 case "${1:-}" in
   "") packages+=("${development_packages[@]}") ;;
@@ -72,3 +76,4 @@ fi
 
 scripts/fetch_makehuman.sh
 [ "${1:-}" = program ] || scripts/fetch_web_packages.sh
+[ "${1:-}" = program ] || scripts/fetch_onnx_runtime.sh

@@ -7,6 +7,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/text.h"
 #include "knuckle/estimate/create_estimator.h"
+#include "knuckle/net/onnx/onnx_engine.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/segmenter_factory.h"
@@ -49,12 +50,19 @@ nlohmann::ordered_json methods() {
           {"conventions", convention_names()}};
 }
 
+/// What runs ONNX files.
+std::string onnx_text() {
+  const OnnxSupport support = onnx_support();
+  return support.is_there ? support.text : "none: " + support.text;
+}
+
 void print_info(bool as_json) {
   nlohmann::ordered_json info = {{"version", KNUCKLE_VERSION},
                                  {"build", KNUCKLE_BUILD_TYPE},
                                  {"compiler", KNUCKLE_COMPILER},
                                  {"threads", thread_count()},
-                                 {"view", has_live_server() ? "live --view" : "none: built without Boost"}};
+                                 {"view", has_live_server() ? "live --view" : "none: built without Boost"},
+                                 {"onnx", onnx_text()}};
   info.update(methods());
   if (as_json) {
     fmt::print("{}\n", info.dump(2));

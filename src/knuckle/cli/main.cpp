@@ -11,6 +11,7 @@ void add_verbs(CLI::App& program) {
   add_shrink(program);
   add_render(program);
   add_train(program);
+  add_export(program);
   add_segment(program);
   add_estimate(program);
   add_live(program);

@@ -20,6 +20,7 @@ void add_demo(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_evaluate(CLI::App& program);
 void add_experiment(CLI::App& program);
+void add_export(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
 void add_landmarks(CLI::App& program);

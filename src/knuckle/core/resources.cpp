@@ -4,10 +4,8 @@
 #include <cstdlib>
 #include <mutex>
 
-#include <dlfcn.h>
-#include <link.h>
-
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_file.h"
 
 namespace knuckle {
 namespace {
@@ -42,18 +40,6 @@ ChosenFolder& chosen_folder() {
   return folder;
 }
 
-/// The shared library that contains this function, or the program where it was linked into that.
-fs::path own_file() {
-  Dl_info ignored{};
-  link_map* library = nullptr;
-  const int found = ::dladdr1(reinterpret_cast<void*>(&own_file), &ignored,
-                              reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP);
-  const bool is_library = found != 0 && library != nullptr && library->l_name[0] != '\0';
-  std::error_code unknown;
-  const fs::path path = fs::canonical(is_library ? library->l_name : "/proc/self/exe", unknown);
-  return unknown ? fs::path() : path;
-}
-
 /// What lies at a place in our own folder, or the nearest one above it; empty where nothing does.
 fs::path find_at_or_above(const fs::path& place) {
   fs::path folder = own_file().parent_path();
@@ -66,7 +52,7 @@ fs::path find_at_or_above(const fs::path& place) {
 }
 
 fs::path find_installed_folder() {
-  const fs::path found = find_at_or_above(kInstalledFolder);
+  fs::path found = find_at_or_above(kInstalledFolder);
   if (!found.empty()) return found;
   fail(
       "Knuckle's models and pipelines cannot be found: there is no {} in {} or the {} folders above it; "

@@ -10,6 +10,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/named_table.h"
 #include "knuckle/estimate/network_estimator.h"
+#include "knuckle/estimate/onnx_estimator.h"
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/estimate/surest_estimator.h"
 
@@ -67,6 +68,7 @@ constexpr std::array kMethods{
     EstimationMethod{"regression", load_network_estimator},
     EstimationMethod{"pca", load_network_estimator},
     EstimationMethod{"autoencoder", load_network_estimator},
+    EstimationMethod{"onnx", load_onnx_estimator},
     EstimationMethod{"surest", load_surest},
 };
 

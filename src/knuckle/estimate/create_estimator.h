@@ -19,7 +19,7 @@ std::span<const std::string_view> estimator_names();
 ///     model          the model's file, relative to the table's file
 ///     convention     optional: what the model must predict
 ///     patch_size_px  optional: what size of patches the model must have been trained on
-///     and those of the method (NetworkEstimatorOptions)
+///     and those of the method (NetworkEstimatorOptions, ForeignNetworkOptions)
 ///
 /// Throws an Error that names the file (and line) where a key is missing, unknown or wrong, or the model is.
 std::unique_ptr<Estimator> create_estimator(const OptionTable& table);

@@ -5,16 +5,16 @@
 
 namespace knuckle {
 
+double sure_confidence_of(const NetworkOptions& network) {
+  return network.architecture == "dense" ? 0.45 : 0.0;
+}
+
 NetworkEstimator::NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options)
     : network_(std::move(network)),
       options_(options),
       convention_(convention_from_name(network_.options().convention)),
       patches_(network_.options().patch) {
   check_options(options_, "network estimator");
-}
-
-double NetworkEstimator::sure_confidence() const {
-  return network_.options().architecture == "dense" ? 0.45 : 0.0;
 }
 
 PatchPose NetworkEstimator::estimate(const HandPatch& patch) const {

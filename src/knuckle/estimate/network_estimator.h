@@ -16,6 +16,10 @@ struct NetworkEstimatorOptions {
   void visit(OptionVisitor& visitor) { visitor.integer("passes", passes, closed(1, 5)); }
 };
 
+/// The mean confidence from which on a pose of such a network may be taken for that of a hand, or 0. Of
+/// `dense`: hands have 0.50 and more, other things 0.36 and less, nearly all (docs/results.md).
+double sure_confidence_of(const NetworkOptions& network);
+
 /// Pose by a convolutional network. The confidence of a joint says how well the pixels' votes agree
 /// (`dense`), or how high the heat map's peak is; direct regression gives none.
 class NetworkEstimator final : public Estimator {
@@ -26,8 +30,7 @@ class NetworkEstimator final : public Estimator {
   Convention convention() const override { return convention_; }
   const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return options_.passes; }
-  /// Of `dense`: hands have 0.50 and more, other things 0.36 and less, nearly all (docs/results.md).
-  double sure_confidence() const override;
+  double sure_confidence() const override { return sure_confidence_of(network_.options()); }
   /// Throws an Error where the patch has another size or a pixel is not finite.
   PatchPose estimate(const HandPatch& patch) const override;
 

@@ -59,6 +59,7 @@ std::optional<HandPatch> extract_cube(const Frame& frame, const ImagePoint& cent
   }
   if (centre.is_missing() || centre.depth_mm <= 0.0) return std::nullopt;
   HandPatch patch;
+  patch.camera = frame.camera;
   patch.geometry = cube_geometry(frame.camera, centre, cube);
   const std::vector<int> columns = nearest_places(centre.u, patch.geometry, frame.depth_mm.width());
   const std::vector<int> rows = nearest_places(centre.v, patch.geometry, frame.depth_mm.height());

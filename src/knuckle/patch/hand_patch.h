@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "knuckle/core/camera.h"
 #include "knuckle/core/image.h"
 #include "knuckle/core/pose.h"
 
@@ -31,6 +32,7 @@ struct PatchGeometry {
 struct HandPatch {
   Image<float> pixels;  ///< size_px x size_px; depth in deviations, background at +3 before mean subtraction
   PatchGeometry geometry;
+  Camera camera;  ///< of the frame that it was cut out of
 };
 
 }  // namespace knuckle

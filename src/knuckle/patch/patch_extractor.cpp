@@ -138,6 +138,7 @@ std::optional<HandPatch> PatchExtractor::extract(const Frame& frame, const HandR
   if (hand.box.empty()) return std::nullopt;
   if (options_.is_cube()) return extract_around(frame, Projection(frame.camera).to_image(hand.centre));
   HandPatch patch;
+  patch.camera = frame.camera;
   patch.geometry = patch_geometry(hand.box, statistics_.size_px);
   patch.pixels = resized_hand(frame, hand, patch.geometry);
   const DepthMoments moments = depth_moments(patch.pixels);

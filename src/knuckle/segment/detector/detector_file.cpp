@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/segment/detector/detector_file.h"
 
+#include <utility>
+
 namespace knuckle {
 namespace {
 
@@ -34,7 +36,11 @@ void save_detector_weights(const std::filesystem::path& path, const DetectorWeig
 }
 
 DetectorWeights load_detector_weights(const std::filesystem::path& path) {
-  const WeightFile file(ModelFile::open(path), kDetectorFormat);
+  return read_detector_weights(ModelFile::open(path));
+}
+
+DetectorWeights read_detector_weights(ModelFile model) {
+  const WeightFile file(std::move(model), kDetectorFormat);
   const DetectorOptions options = options_from_toml(file.options_toml(), file.origin());
   file.require(encoder_decoder_arrays(options.shape()));
   DetectorWeights weights(options);

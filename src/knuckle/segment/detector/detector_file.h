@@ -38,5 +38,7 @@ void save_detector_weights(const std::filesystem::path& path, const DetectorWeig
 /// Reads a detector. Throws an Error that names the file where it is missing, cut short, damaged, of another
 /// kind or version, does not fit its own options, or holds a number that is not finite.
 DetectorWeights load_detector_weights(const std::filesystem::path& path);
+/// The same of a file that is open.
+DetectorWeights read_detector_weights(ModelFile model);
 
 }  // namespace knuckle
