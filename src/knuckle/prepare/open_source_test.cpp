@@ -26,9 +26,11 @@ TEST(OpenSource, KnowsTheDataSetsAndTheGenerator) {
 }
 
 TEST(OpenSource, NamesAnUnknownKindAndTheNearest) {
-  EXPECT_THAT(error_of([] { open_source("synthetik:m.toml"); }),
-              AllOf(HasSubstr("unknown kind of source 'synthetik' (did you mean 'synthetic'?)"),
-                    HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv, synthetic")));
+  EXPECT_THAT(
+      error_of([] { open_source("synthetik:m.toml"); }),
+      AllOf(
+          HasSubstr("unknown kind of source 'synthetik' (did you mean 'synthetic'?)"),
+          HasSubstr("folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv, synthetic")));
 }
 
 TEST(OpenSource, TheGeneratorTakesSelectionsAndNoSettings) {
