@@ -45,9 +45,9 @@ constexpr std::array kModes{
 
 /// The value under a key; null where there is none.
 const Json& at(const Json& object, const char* key) {
-  static const Json kNothing;
+  static const Json nothing;
   const auto value = object.is_object() ? object.find(key) : object.end();
-  return value == object.end() ? kNothing : *value;
+  return value == object.end() ? nothing : *value;
 }
 
 std::string text_at(const Json& object, const char* key) {

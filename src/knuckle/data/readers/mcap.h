@@ -20,8 +20,9 @@ namespace knuckle {
 /// An MCAP file (specification of MCAP, version 0) with messages of ROS 2: topics of some types, and their
 /// messages at random. Opening reads the heads of all records, and the indexes of messages where the file's
 /// statistics confirm them. A chunk without such an index, or with one that names what is described nowhere
-/// else, is unpacked then, once. Sums are checked where the file has them: of the summary, of each chunk as it
-/// is unpacked, and of the whole file where messages lie outside of chunks. Safe to be read by many threads.
+/// else, is unpacked then, once. Sums are checked where the file has them: of the summary, of each chunk as
+/// it is unpacked, and of the whole file where messages lie outside of chunks. Safe to be read by many
+/// threads.
 class Mcap {
  public:
   /// Lists the messages of these types, as in "sensor_msgs/msg/Image", that are serialised as CDR. Throws an

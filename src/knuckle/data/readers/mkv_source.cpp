@@ -29,8 +29,8 @@ std::string pixel_code_of(const MatroskaTrack& track) {
   return {code, code + kCodeBytes};
 }
 
-/// Whether 16-bit samples of that code are big-endian; nothing where it is another code. The first two have
-/// names, the others are those of libavformat.
+/// Whether 16-bit samples of that code are big-endian; nothing where it is another code. Those that are no
+/// text are libavformat's for gray16be and gray16le.
 std::optional<bool> is_big_endian_code(std::string_view code) {
   using std::string_view_literals::operator""sv;
   if (code == "b16g" || code == "\x10\0001Y"sv) return true;

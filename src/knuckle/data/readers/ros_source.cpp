@@ -126,9 +126,10 @@ Camera RosSource::find_camera(const std::string& file) const {
   if (!file.empty()) return read_camera_file(file);
   const std::string topic = camera_topic_of(topic_);
   const std::vector<RecordedMessage> messages = recording_->messages_of(topic);
-  if (messages.empty())
+  if (messages.empty()) {
     fail("{}: has no camera on the topic '{}'; give it by ?camera=FILE.toml", recording_->path().string(),
          topic);
+  }
   const std::vector<std::uint8_t> bytes = recording_->read(messages.front());
   return camera_of(recording_->parse_camera_info(bytes, recording_->place(topic)), topic_,
                    recording_->place(topic));
