@@ -66,7 +66,7 @@ fs::path find_at_or_above(const fs::path& place) {
 }
 
 fs::path find_installed_folder() {
-  const fs::path found = find_at_or_above(kInstalledFolder);
+  fs::path found = find_at_or_above(kInstalledFolder);
   if (!found.empty()) return found;
   fail(
       "Knuckle's models and pipelines cannot be found: there is no {} in {} or the {} folders above it; "
