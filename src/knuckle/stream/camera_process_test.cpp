@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "knuckle/core/interruption.h"
+#include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/stream/oni_source.h"
@@ -199,6 +200,13 @@ TEST_F(OniSourceTest, FramesAreFoundInAnyOrder) {
     EXPECT_DOUBLE_EQ(source.read_label(index).time_s.value(), 0.1 * index);
   }
   EXPECT_EQ(times_started(), 1) << "what came before is kept";
+}
+
+TEST_F(OniSourceTest, ManyThreadsGetTheFramesThatTheyAskFor) {
+  const OniSource source = open(recording(6, description_));
+  parallel_for(60, [&](std::int64_t i) {
+    EXPECT_EQ(source.read(i % 6).depth_mm(0, 0), 100.0f * static_cast<float>(i % 6 + 1));
+  });
 }
 
 TEST_F(OniSourceTest, WhatIsNotKeptIsReadAnew) {

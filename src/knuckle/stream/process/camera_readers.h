@@ -27,11 +27,18 @@ class Program {
   int descriptor_;
 };
 
-// Each sends what there is to say, and returns when the program wants no more. Faults are Errors.
+/// Sends a listing of each Kinect. Throws an Error where libfreenect cannot be asked.
 void list_freenect(const Program& program);
+/// Sends what a Kinect gives until the program wants no more: raw, or in millimetres by its own calibration.
+/// Throws an Error where that cannot be, or the Kinect is gone.
 void read_freenect(const Program& program, int index, bool in_millimetres);
+/// Sends a listing of each device that OpenNI2 sees. Throws an Error where it cannot be asked.
 void list_openni2(const Program& program);
+/// Sends what a device gives until the program wants no more. An empty `uri` is any device; 0 for a number is
+/// what the device is set to. Throws an Error where that cannot be, or the device is gone.
 void read_openni2(const Program& program, const std::string& uri, int width, int height, int rate_hz);
+/// Sends all frames of an .oni file. Throws an Error where it is none, or no more frames come than it should
+/// hold.
 void read_oni(const Program& program, const std::string& path);
 
 }  // namespace knuckle

@@ -158,9 +158,10 @@ void list_openni2(const Program& program) {
   require(openni::OpenNI::initialize(), "cannot be asked");
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
-  for (int i = 0; i < devices.getSize(); ++i)
+  for (int i = 0; i < devices.getSize(); ++i) {
     program.send_listing(devices[i].getUri(),
                          fmt::format("{} {}", devices[i].getVendor(), devices[i].getName()));
+  }
 }
 
 void read_openni2(const Program& program, const std::string& uri, int width, int height, int rate_hz) {
