@@ -110,7 +110,7 @@ def main():
         done = (time.monotonic() - begin) / (60 * arguments.minutes)
         for group in optimiser.param_groups:
             group["lr"] = 2e-3 * max(1e-3, 0.5 * (1 + numpy.cos(numpy.pi * min(done, 1))))
-        patches, targets = samples.batch(random.choice(training, 32, replace=False), random)
+        patches, targets = samples.batch(random.choice(training, 64, replace=False), random)
         optimiser.zero_grad()
         nn.functional.smooth_l1_loss(network(patches), targets, beta=0.05).backward()
         optimiser.step()

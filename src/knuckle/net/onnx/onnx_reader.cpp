@@ -84,66 +84,86 @@ void require_count(const OnnxTensor& tensor, const ProtobufReader& message) {
   }
 }
 
+/// A tensor as it lies in the file.
+struct RawTensor {
+  std::string name;
+  std::int64_t type = 0;
+  OnnxShape shape;
+  std::vector<float> reals;
+  std::vector<std::int64_t> integers;
+  std::optional<std::string_view> raw;  ///< its numbers' bytes, in place of these
+};
+
+void read_tensor_field(const ProtobufReader& message, const Field& field, RawTensor& tensor) {
+  switch (field.number) {
+    case kDims:
+      message.add_integers(field, tensor.shape);
+      if (tensor.shape.size() > kMostDimensions)
+        fail("{}: more than {} sizes", message.what(), kMostDimensions);
+      break;
+    case kDataType:
+      tensor.type = message.integer_of(field);
+      break;
+    case kRealData:
+      message.add_reals(field, tensor.reals);
+      break;
+    case kIntegerData:
+      message.add_integers(field, tensor.integers);
+      break;
+    case kTensorName:
+      tensor.name = name_of(message, field);
+      break;
+    case kRawData:
+      tensor.raw = message.bytes_of(field);
+      break;
+    case kTensorText:
+    case kTensorMetadata:
+      break;
+    default:
+      fail_unknown(message, field);
+  }
+}
+
+RawTensor raw_tensor_in(std::string_view bytes, const std::string& what) {
+  ProtobufReader message(bytes, what);
+  RawTensor tensor;
+  while (const auto field = message.next()) {
+    const Field::Kind kind = field->kind;
+    const bool is_elsewhere =
+        field->number == kExternalData ||
+        (field->number == kDataLocation && (kind != Field::Kind::varint || field->value != 0));
+    if (is_elsewhere)
+      fail("{}: its numbers lie in another file, which is not read; save the network as one file", what);
+    if (field->number == kDataLocation) continue;
+    const bool is_repeated = field->number == kDims || field->number == kRealData ||
+                             field->number == kIntegerData || field->number == kTensorMetadata;
+    if (!is_repeated) message.require_once(*field);
+    read_tensor_field(message, *field, tensor);
+  }
+  return tensor;
+}
+
 struct NamedTensor {
   std::string name;
   OnnxTensor tensor;
 };
 
 NamedTensor tensor_in(std::string_view bytes, const std::string& what) {
-  ProtobufReader message(bytes, what);
-  NamedTensor result;
-  OnnxTensor& tensor = result.tensor;
-  std::optional<std::int64_t> type;
-  std::optional<std::string_view> raw;
-  while (const auto field = message.next()) {
-    if (field->number == kExternalData || field->number == kDataLocation) {
-      if (field->number == kDataLocation && message.integer_of(*field) == 0) continue;
-      fail("{}: its numbers lie in another file, which is not read; save the network as one file", what);
-    }
-    if (field->number != kDims && field->number != kRealData && field->number != kIntegerData &&
-        field->number != kTensorMetadata) {
-      message.require_once(*field);
-    }
-    switch (field->number) {
-      case kDims:
-        message.add_integers(*field, tensor.shape);
-        if (tensor.shape.size() > kMostDimensions) fail("{}: more than {} sizes", what, kMostDimensions);
-        break;
-      case kDataType:
-        type = message.integer_of(*field);
-        break;
-      case kRealData:
-        message.add_reals(*field, tensor.reals);
-        break;
-      case kIntegerData:
-        message.add_integers(*field, tensor.integers);
-        break;
-      case kTensorName:
-        result.name = name_of(message, *field);
-        break;
-      case kRawData:
-        raw = message.bytes_of(*field);
-        break;
-      case kTensorText:
-      case kTensorMetadata:
-        break;
-      default:
-        fail_unknown(message, *field);
-    }
-  }
-  const ProtobufReader named({}, result.name.empty() ? what : fmt::format("{} '{}'", what, result.name));
-  tensor.type = type_of(named, type.value_or(0));
-  if (raw && !(tensor.reals.empty() && tensor.integers.empty()))
+  RawTensor raw = raw_tensor_in(bytes, what);
+  const ProtobufReader named({}, raw.name.empty() ? what : fmt::format("{} '{}'", what, raw.name));
+  const OnnxType type = type_of(named, raw.type);
+  if (raw.raw && !(raw.reals.empty() && raw.integers.empty()))
     fail("{}: its data are there twice", named.what());
-  if (raw && tensor.type == OnnxType::float32) tensor.reals = numbers_in<float>(*raw, named);
-  if (raw && tensor.type == OnnxType::int64) tensor.integers = numbers_in<std::int64_t>(*raw, named);
-  if (tensor.type == OnnxType::float32 ? !tensor.integers.empty() : !tensor.reals.empty()) {
+  if (raw.raw && type == OnnxType::float32) raw.reals = numbers_in<float>(*raw.raw, named);
+  if (raw.raw && type == OnnxType::int64) raw.integers = numbers_in<std::int64_t>(*raw.raw, named);
+  if (type == OnnxType::float32 ? !raw.integers.empty() : !raw.reals.empty()) {
     fail("{}: its data are of another type than it says", named.what());
   }
-  if (tensor.integers.size() > kMostIntegers)
+  if (raw.integers.size() > kMostIntegers)
     fail("{}: more than {} whole numbers", named.what(), kMostIntegers);
+  OnnxTensor tensor{std::move(raw.shape), std::move(raw.reals), std::move(raw.integers), type};
   require_count(tensor, named);
-  return result;
+  return {std::move(raw.name), std::move(tensor)};
 }
 
 /// An attribute as it lies in the file: the type says which of the values counts.
