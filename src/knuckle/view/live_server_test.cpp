@@ -311,7 +311,7 @@ TEST_F(LiveServerTest, RequestsAreBounded) {
   EXPECT_EQ(status_of("\x16\x03\x01\x02" + std::string(100, '\0')), 400) << "TLS";
   EXPECT_EQ(status_of("HELLO\r\n\r\n"), 400);
   EXPECT_EQ(status_of("GET / HTTP/9.9\r\nHost: localhost\r\n\r\n"), 400);
-  EXPECT_EQ(status_of(std::string("GET / HTTP/1.1\r\nHost: local\0host\r\n\r\n", 38)), 400);
+  EXPECT_EQ(status_of(std::string("GET / HTTP/1.1\r\nHost: local\0host\r\n\r\n", 36)), 400);
   EXPECT_EQ(
       status_of(
           "GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 5\r\nHost: localhost\r\n\r\n"),
