@@ -15,7 +15,7 @@ constexpr std::int64_t kMostPadding = 4096;
 
 /// A list that newer opsets give as an input and older ones as an attribute; `otherwise` where it is neither.
 std::vector<std::int64_t> list_of(const NodeView& node, std::size_t input, const std::string& name,
-                                  std::vector<std::int64_t> otherwise) {
+                                  const std::vector<std::int64_t>& otherwise) {
   if (node.has(input)) return node.integers(input);
   return node.has_attribute(name) ? node.integers(name, {}, kLowestInteger, kHighestInteger) : otherwise;
 }
@@ -87,10 +87,11 @@ OnnxShape shape_of_squeeze(NodeView& node) {
   const std::vector<bool> marks = marked(node, list_of(node, 1, "axes", ones), input.size());
   OnnxShape shape;
   for (std::size_t i = 0; i < input.size(); ++i) {
-    if (!marks[i])
+    if (!marks[i]) {
       shape.push_back(input[i]);
-    else if (input[i] != 1)
+    } else if (input[i] != 1) {
       node.fault("it takes away a size of {}", input[i]);
+    }
   }
   return node.become_reshape(std::move(shape));
 }
@@ -192,10 +193,11 @@ OnnxShape shape_of_reduce(NodeView& node) {
   const std::vector<bool> marks = marked(node, axes, input.size());
   OnnxShape shape;
   for (std::size_t i = 0; i < input.size(); ++i) {
-    if (!marks[i])
+    if (!marks[i]) {
       shape.push_back(input[i]);
-    else if (keeps)
+    } else if (keeps) {
       shape.push_back(1);
+    }
   }
   node.become(node.node().operation, {{"axes", axes}, {"keepdims", std::int64_t{keeps ? 1 : 0}}});
   return shape;

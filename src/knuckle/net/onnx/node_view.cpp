@@ -78,9 +78,9 @@ std::vector<std::int64_t> NodeView::integers(const std::string& name, std::vecto
   return *found;
 }
 
-std::string NodeView::text(const std::string& name, std::string otherwise) const {
+std::string NodeView::text(const std::string& name, const std::string& otherwise) const {
   const auto* const found = attribute<std::string>(node_, name, *this);
-  return found != nullptr ? *found : std::move(otherwise);
+  return found != nullptr ? *found : otherwise;
 }
 
 float NodeView::real(const std::string& name, float otherwise) const {

@@ -52,7 +52,7 @@ class NodeView {
                        std::int64_t high) const;
   std::vector<std::int64_t> integers(const std::string& name, std::vector<std::int64_t> otherwise,
                                      std::int64_t low, std::int64_t high) const;
-  std::string text(const std::string& name, std::string otherwise) const;
+  std::string text(const std::string& name, const std::string& otherwise) const;
   float real(const std::string& name, float otherwise) const;
   bool has_attribute(const std::string& name) const { return node_.attributes.contains(name); }
   /// An attribute that counts from the end where it is negative, as one of `rank` places.

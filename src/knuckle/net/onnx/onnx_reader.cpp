@@ -323,21 +323,23 @@ OnnxShape value_type_in(std::string_view bytes, const std::string& what) {
   std::optional<std::string_view> tensor;
   while (const auto field = type.next()) {
     type.require_once(*field);
-    if (field->number == kTensorType)
+    if (field->number == kTensorType) {
       tensor = type.bytes_of(*field);
-    else if (field->number != kTypeDenotation)
+    } else if (field->number != kTypeDenotation) {
       fail("{}: it is no tensor", what);
+    }
   }
   OnnxShape shape;
   ProtobufReader message(tensor.value_or(std::string_view()), what);
   while (const auto field = message.next()) {
     message.require_once(*field);
-    if (field->number == kElementType)
+    if (field->number == kElementType) {
       type_of(message, message.integer_of(*field));
-    else if (field->number == kShape)
+    } else if (field->number == kShape) {
       shape = shape_in(message.bytes_of(*field), what);
-    else
+    } else {
       fail_unknown(message, *field);
+    }
   }
   return shape;
 }
@@ -349,12 +351,13 @@ OnnxValue value_in(std::string_view bytes, const std::string& what) {
   while (const auto field = message.next()) {
     if (field->number == kValueMetadata || field->number == kValueText) continue;
     message.require_once(*field);
-    if (field->number == kValueName)
+    if (field->number == kValueName) {
       value.name = name_of(message, *field);
-    else if (field->number == kValueType)
+    } else if (field->number == kValueType) {
       type = message.bytes_of(*field);
-    else
+    } else {
       fail_unknown(message, *field);
+    }
   }
   value.shape = value_type_in(type, fmt::format("{} '{}'", what, value.name));
   return value;
@@ -415,12 +418,13 @@ void read_opset(std::string_view bytes, const std::string& origin, std::optional
   std::int64_t version = 0;
   while (const auto field = message.next()) {
     message.require_once(*field);
-    if (field->number == kOpsetDomain)
+    if (field->number == kOpsetDomain) {
       domain = message.bytes_of(*field);
-    else if (field->number == kOpsetVersion)
+    } else if (field->number == kOpsetVersion) {
       version = message.integer_of(*field);
-    else
+    } else {
       fail_unknown(message, *field);
+    }
   }
   if (!domain.empty() && domain != "ai.onnx") return;  // no node of another maker's is read
   if (opset) fail("{}: two versions of ONNX's operators", origin);
@@ -433,12 +437,13 @@ void read_entry(std::string_view bytes, const std::string& origin, OnnxModel& mo
   std::string value;
   while (const auto field = message.next()) {
     message.require_once(*field);
-    if (field->number == kEntryKey)
+    if (field->number == kEntryKey) {
       key = name_of(message, *field);
-    else if (field->number == kEntryValue)
+    } else if (field->number == kEntryValue) {
       value = message.bytes_of(*field);
-    else
+    } else {
       fail_unknown(message, *field);
+    }
   }
   if (!model.metadata.emplace(key, std::move(value)).second)
     fail("{}: '{}' is there twice", message.what(), key);

@@ -74,10 +74,11 @@ ProtobufWriter value_message(const OnnxValue& value) {
   ProtobufWriter shape;
   for (const std::int64_t size : value.shape) {
     ProtobufWriter dimension;
-    if (size == kOpenSize)
+    if (size == kOpenSize) {
       dimension.bytes(kDimensionName, "any");
-    else
+    } else {
       dimension.integer(kDimensionValue, size);
+    }
     shape.message(kDimension, dimension);
   }
   ProtobufWriter tensor;

@@ -17,10 +17,11 @@ std::string one_line(const cv::Exception& error) {
   std::string line;
   for (const char letter : error.err.empty() ? error.msg : error.err) {
     const bool is_blank = letter == '\n' || letter == '\t' || letter == ' ' || letter == '\r';
-    if (!is_blank)
+    if (!is_blank) {
       line += letter;
-    else if (!line.empty() && line.back() != ' ')
+    } else if (!line.empty() && line.back() != ' ') {
       line += ' ';
+    }
   }
   constexpr std::size_t kMostLetters = 300;
   if (line.size() > kMostLetters) line = line.substr(0, kMostLetters) + " ...";
