@@ -139,7 +139,7 @@ for (const [name, c] of Object.entries(cameras)) {
     const around = crop(picture, column - 14, row - 14, 29, 29);
     const all = middleOf(around, (colour) => !isLike(colour, screen, 12));  // the last points of a patch are shaded otherwise
     const [off_right, off_down] = [all.column - 14 - (column % 1), all.row - 14 - (row % 1)];
-    assert.ok(Math.hypot(off_right, off_down) < 0.4, `${off_right} ${off_down}: half a pixel of the camera is 0.67 here`);
+    assert.ok(Math.hypot(off_right, off_down) < 0.6, `${off_right} ${off_down}: half a pixel of the camera either way is 0.94 here`);
     assert.deepEqual(open.faults, []);
     });
 }
