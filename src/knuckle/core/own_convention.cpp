@@ -58,9 +58,10 @@ void check_name(std::string_view name, std::string_view what) {
 
 void check_landmarks(std::string_view name, const std::vector<Landmark>& landmarks) {
   if (landmarks.empty()) fail("the convention '{}' has no landmark", name);
-  if (landmarks.size() > static_cast<std::size_t>(limits::kJoints))
+  if (landmarks.size() > static_cast<std::size_t>(limits::kJoints)) {
     fail("the convention '{}' has {} landmarks, expected at most {}", name, landmarks.size(),
          limits::kJoints);
+  }
   std::set<Landmark> seen;
   for (const Landmark landmark : landmarks) {
     if (!seen.insert(landmark).second)
