@@ -75,7 +75,7 @@ OpenedTruth read_truth_file(const EvaluateArguments& arguments) {
 
 PoseCoordinates chosen_coordinates(const EvaluateArguments& arguments) {
   PoseCoordinates chosen{coordinate_kind_from_text(arguments.format), axes_from_text(arguments.axes),
-                               unit_from_text(arguments.unit)};
+                         unit_from_text(arguments.unit)};
   if (chosen.kind == PoseCoordinates::Kind::uvd && chosen.axes != PoseCoordinates().axes)
     fail("--axes: tells of x y z; give --format xyz too");
   return chosen;

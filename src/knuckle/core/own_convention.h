@@ -29,6 +29,7 @@ std::optional<Landmark> known_landmark(std::string_view name);
 Landmark own_landmark(std::string_view name, Landmark near);
 /// Its name, as long as the program runs. `landmark` is one of one's own.
 std::string_view own_landmark_name(Landmark landmark);
+/// That of the 22 which it lies near to.
 Landmark own_landmark_is_near(Landmark landmark);
 
 /// Makes a convention known under its name, for the rest of the program. The same landmarks under the same

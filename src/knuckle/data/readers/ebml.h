@@ -19,17 +19,17 @@ struct EbmlHead {
   bool is_size_known = true;     ///< else the element ends where one begins that cannot lie in it
   std::uint32_t head_bytes = 0;  ///< of this head itself
 };
-inline constexpr std::uint64_t kMostEbmlHeadBytes = 4 + 8;
+inline constexpr std::uint64_t kMostEbmlHeadBytes = 4 + 8;  ///< of a head: id and size
 
 /// The head at the front of `bytes`. Throws an Error that starts with `where` where there is none.
 EbmlHead parse_ebml_head(std::span<const std::uint8_t> bytes, std::string_view where);
 
-/// A number of variable length at the front of `bytes`, as of a track in a block, and how long it is. Throws
-/// as above.
+/// A number of variable length, and how long it is.
 struct EbmlNumber {
   std::uint64_t value = 0;
   std::uint32_t bytes = 0;
 };
+/// The number at the front of `bytes`, as of a track in a block. Throws as above.
 EbmlNumber parse_ebml_number(std::span<const std::uint8_t> bytes, std::string_view where);
 
 /// An element in memory.

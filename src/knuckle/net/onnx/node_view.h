@@ -85,7 +85,8 @@ struct OnnxOperator {
   OnnxShape (*output_shape)(NodeView& node);
 };
 
-// The shapes that operators make, by kind. Each throws where inputs or attributes do not fit.
+/// @{
+/// The shape of what the operators of one kind make. Throws an Error where inputs or attributes do not fit.
 OnnxShape shape_of_same(NodeView& node);
 OnnxShape shape_of_clip(NodeView& node);
 OnnxShape shape_of_dropout(NodeView& node);
@@ -111,5 +112,6 @@ OnnxShape shape_of_concat(NodeView& node);
 OnnxShape shape_of_slice(NodeView& node);
 OnnxShape shape_of_pad(NodeView& node);
 OnnxShape shape_of_reduce(NodeView& node);
+/// @}
 
 }  // namespace knuckle

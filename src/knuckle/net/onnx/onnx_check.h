@@ -10,9 +10,8 @@
 
 namespace knuckle {
 
-// Versions of ONNX's operators that are read: those that OpenCV 4.6 knows.
-inline constexpr std::int64_t kOldestOpset = 9;
-inline constexpr std::int64_t kNewestOpset = 17;
+inline constexpr std::int64_t kOldestOpset = 9;   ///< of the versions of ONNX's operators that are read
+inline constexpr std::int64_t kNewestOpset = 17;  ///< of them: the newest that OpenCV 4.6 knows
 
 /// What a network may take at most, so that a small file cannot ask for a large machine.
 struct OnnxLimits {

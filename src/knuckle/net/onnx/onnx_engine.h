@@ -26,6 +26,7 @@ struct OnnxSupport {
   bool is_there = false;
   std::string text;
 };
+/// Loads the engine's library where that has not been done. Safe to call from many threads.
 OnnxSupport onnx_support();
 
 /// An engine for a network that `checked_onnx` has returned. Throws an Error that starts with `origin` where

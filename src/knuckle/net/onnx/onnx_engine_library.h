@@ -9,7 +9,9 @@
 
 namespace knuckle {
 
+/// The library with the engine, which lies beside ours, and the function in it that makes one.
 inline constexpr const char* kEngineLibrary = "libknuckle_opencv_dnn.so";
+/// Its number rises with each change of what the library offers.
 inline constexpr const char* kEngineFunction = "knuckle_onnx_engine_1";
 
 /// What the library has to offer. `create` takes the bytes of an ONNX file; its inputs and outputs are those

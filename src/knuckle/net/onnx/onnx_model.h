@@ -37,6 +37,7 @@ struct OnnxTensor {
   OnnxType type = OnnxType::float32;
 };
 
+/// A tensor of numbers in single precision.
 OnnxTensor real_tensor(OnnxShape shape, std::vector<float> values);
 /// A list of whole numbers, as shapes and axes are told.
 OnnxTensor integer_list(std::vector<std::int64_t> values);
