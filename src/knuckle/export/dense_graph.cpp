@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include <fmt/format.h>
+
 #include "knuckle/export/encoder_decoder_graph.h"
 #include "knuckle/export/graph_builder.h"
 #include "knuckle/net/dense_architecture.h"
@@ -140,7 +142,7 @@ class DenseGraph {
       const std::string apart =
           graph_.node("Sub", {vote, to_all_cells(means_[i], vote + ".mean.all")}, vote + ".apart");
       const std::string square = graph_.node("Mul", {apart, apart}, vote + ".square");
-      squares = i == 0 ? square : graph_.node("Add", {squares, square}, vote + ".squares");
+      squares = i == 0 ? square : graph_.node("Add", {squares, square}, fmt::format("{}.squares", vote));
     }
     const std::string shared = graph_.node("Mul", {shares_, squares}, "squares.shared");
     const std::string spread = graph_.node("Sqrt", {sum_over_cells(shared, "variance")}, "spread");

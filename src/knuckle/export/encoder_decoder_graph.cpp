@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "knuckle/net/layers/batch_norm.h"
 
 namespace knuckle {
@@ -62,10 +64,10 @@ class EncoderDecoderGraph {
     const std::string down = "down" + std::to_string(number);
     std::string features = rectified(unit(down, input), down);
     for (int i = 0; i < shape_.blocks; ++i) {
-      const std::string block = "block" + std::to_string(number) + "_" + std::to_string(i);
+      const std::string block = fmt::format("block{}_{}", number, i);
       const std::string first = rectified(unit(block + ".first", features), block + ".first");
       const std::string second = unit(block + ".second", first);
-      features = rectified(graph_.node("Add", {second, features}, block + ".sum"), block);
+      features = rectified(graph_.node("Add", {second, features}, fmt::format("{}.sum", block)), block);
     }
     return features;
   }

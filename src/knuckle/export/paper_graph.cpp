@@ -61,7 +61,7 @@ class PaperGraph {
     const std::string bias = graph_.constant(name + ".bias", {outputs}, weights_.floats(name + ".bias"));
     const std::string sums =
         graph_.node("Conv", {input, weight, bias}, name, {{"kernel_shape", Sizes{kernel, kernel}}});
-    const std::string rectified = graph_.node("Relu", {sums}, name + ".relu");
+    std::string rectified = graph_.node("Relu", {sums}, name + ".relu");
     if (pool == 1) return rectified;
     return graph_.node("MaxPool", {rectified}, name + ".pooled",
                        {{"kernel_shape", Sizes{pool, pool}}, {"strides", Sizes{pool, pool}}});

@@ -230,9 +230,10 @@ std::string LandmarkDefinition::as_toml() const {
     text += fmt::format("\n[{}]\nbone = \"{}\"\noffset = [{:.5f}, {:.5f}, {:.5f}]\n",
                         name_of(convention.landmarks[i]), name_of(landmarks[i].bone), offset.x(), offset.y(),
                         offset.z());
-    if (landmarks[i].towards)
+    if (landmarks[i].towards) {
       text +=
           fmt::format("towards = \"{}\"\nshare = {}\n", name_of(*landmarks[i].towards), landmarks[i].share);
+    }
   }
   return text;
 }
