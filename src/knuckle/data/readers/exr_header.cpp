@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
+#include "knuckle/core/named_table.h"
 
 namespace knuckle {
 namespace {
@@ -18,6 +20,39 @@ constexpr std::uint32_t kManyParts = 0x1000;
 constexpr std::size_t kLongestName = 255;
 constexpr std::int64_t kMostCachedPixels = std::int64_t{1}
                                            << 24;  // of a row of tiles, where the image is small
+
+/// Types whose values have one size. OpenEXR reads as many bytes whatever an attribute says, so that another
+/// size would let it see other attributes than we do. Types that it does not know it skips by their size.
+struct TypeSize {
+  std::string_view name;
+  std::int64_t bytes;
+};
+constexpr std::array kTypeSizes = {
+    TypeSize{"box2i", 16},
+    TypeSize{"box2f", 16},
+    TypeSize{"chromaticities", 32},
+    TypeSize{"compression", 1},
+    TypeSize{"double", 8},
+    TypeSize{"envmap", 1},
+    TypeSize{"deepImageState", 1},
+    TypeSize{"float", 4},
+    TypeSize{"int", 4},
+    TypeSize{"keycode", 28},
+    TypeSize{"lineOrder", 1},
+    TypeSize{"m33f", 36},
+    TypeSize{"m33d", 72},
+    TypeSize{"m44f", 64},
+    TypeSize{"m44d", 128},
+    TypeSize{"rational", 8},
+    TypeSize{"tiledesc", 9},
+    TypeSize{"timecode", 8},
+    TypeSize{"v2i", 8},
+    TypeSize{"v2f", 8},
+    TypeSize{"v2d", 16},
+    TypeSize{"v3i", 12},
+    TypeSize{"v3f", 12},
+    TypeSize{"v3d", 24},
+};
 
 /// What a header says of the image, as far as it decides on memory.
 struct ImageLayout {
@@ -54,6 +89,10 @@ class ExrHeaderCheck {
     const std::int64_t size = number();
     const std::int64_t begin = file_.tellg();
     if (size > bytes_ - begin) damaged("'" + name + "' is longer than the file");
+    const TypeSize* const known = row_named(kTypeSizes, type);
+    if (known != nullptr && size != known->bytes) damaged("'" + name + "' is of another size than its type");
+    if (type == "floatvector" && size % 4 != 0) damaged("'" + name + "' is of another size than its type");
+    if (type == "chlist") check_channels(begin + size);
     if (type == "preview") check_preview(size);
     if (type == "stringvector") check_texts(begin + size);
     if (type == "idmanifest") fail("{}: holds an ID manifest; expected an image of depth", path_.string());
@@ -67,8 +106,18 @@ class ExrHeaderCheck {
 
   void check_preview(std::int64_t size) {
     const std::uint64_t pixels = std::uint64_t{number()} * number();
-    if (size < 8 || pixels != static_cast<std::uint64_t>(size - 8) / 4)
+    if (size < 8 || size % 4 != 0 || pixels != static_cast<std::uint64_t>(size - 8) / 4)
       damaged("its thumbnail is of another size");
+  }
+
+  /// Channels have a name and 16 bytes each; an empty name ends them.
+  void check_channels(std::int64_t end) {
+    constexpr std::int64_t kChannelBytes = 16;
+    while (!text().empty()) {
+      if (kChannelBytes > end - file_.tellg()) damaged("its list of channels is longer than it says");
+      file_.seekg(kChannelBytes, std::ios::cur);
+    }
+    if (file_.tellg() != end) damaged("its list of channels is of another length than it says");
   }
 
   void check_texts(std::int64_t end) {

@@ -133,6 +133,23 @@ TEST_F(ExrHeader, AsksForNoMoreThanTheFileHolds) {
               HasSubstr("a name in its header is too long"));
 }
 
+/// Where OpenEXR would read on at another place than we do, it would see attributes that nobody has checked.
+TEST_F(ExrHeader, AttributesEndWhereTheySay) {
+  const std::string zero(1, '\0');
+  const std::string channels = "R" + zero + numbers({2, 0, 1, 1}) + zero;
+  for (const std::uint32_t size : {channels.size() - 1, channels.size() - 4, channels.size() + 1}) {
+    EXPECT_THAT(fault_of(attribute("channels", "chlist", channels + zero, size)),
+                HasSubstr("its list of channels"))
+        << size;
+  }
+  EXPECT_THAT(fault_of(attribute("screenWindowWidth", "float", numbers({0}), 3)),
+              HasSubstr("'screenWindowWidth' is of another size than its type"));
+  EXPECT_THAT(fault_of(attribute("range", "floatvector", numbers({0, 0}), 7)),
+              HasSubstr("'range' is of another size than its type"));
+  EXPECT_THAT(fault_of(attribute("preview", "preview", numbers({1, 1, 0}) + zero)),
+              HasSubstr("its thumbnail"));
+}
+
 TEST_F(ExrHeader, HasNoMoreTilesThanTheFile) {
   const std::string in_tiles = std::string(1, '\0');  // one level
   EXPECT_THAT(fault_of(attribute("tiles", "tiledesc", numbers({1, 1}) + in_tiles), 0x202),
