@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Kinect, played to libfreenect's users by its own stand-in (fakenect) from a recording that we write.
+#include "compare_records.h"
 #include "environment_variable.h"
 #include "program.h"
 
 #include <cmath>
-#include <map>
-#include <sstream>
 
 #include "knuckle/core/text_file.h"
-#include "knuckle/data/frame_record.h"
 #include "knuckle/data/readers/folder_format.h"
 #include "knuckle/data/readers/kinect_depth.h"
 #include "knuckle/prepare/open_source.h"
@@ -111,22 +109,7 @@ TEST_F(FreenectTest, LiveFindsThePosesThatTheRecordingGives) {
   ASSERT_THAT(run_program({"estimate", "--source", "fakenect:" + path("take") + camera(), "--pipeline",
                            pipeline, "--out", path("poses.txt"), "--records", path("file.jsonl")}),
               Succeeded());
-  std::map<std::int64_t, FrameRecord> of_file;
-  std::istringstream file(read_text_file(folder_ / "file.jsonl"));
-  for (std::string line; std::getline(file, line);) {
-    FrameRecord record = parse_frame_record(line);
-    of_file[record.frame] = std::move(record);
-  }
-  std::istringstream live(read_text_file(folder_ / "live.jsonl"));
-  int hands = 0;
-  for (std::string line; std::getline(live, line);) {
-    const FrameRecord record = parse_frame_record(line);
-    const FrameRecord& expected = of_file.at(record.frame);
-    ASSERT_EQ(record.hands.size(), expected.hands.size());
-    for (std::size_t i = 0; i < record.hands.size(); ++i, ++hands)
-      EXPECT_EQ(record.hands[i].landmarks_mm, expected.hands[i].landmarks_mm) << record.frame;
-  }
-  EXPECT_GT(hands, 0);
+  expect_records_of_file(read_records(folder_ / "live.jsonl"), read_records(folder_ / "file.jsonl"));
 }
 
 TEST_F(FreenectTest, IsListedAndChecked) {

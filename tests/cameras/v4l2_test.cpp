@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras of Video4Linux, played to the program by a library that answers for the kernel (fake_v4l2.cpp).
+#include "compare_records.h"
 #include "environment_variable.h"
 #include "program.h"
 
 #include <map>
-#include <sstream>
 
 #include "knuckle/core/text_file.h"
-#include "knuckle/data/frame_record.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/folder_format.h"
 #include "knuckle/prepare/open_source.h"
@@ -105,25 +104,10 @@ TEST_F(V4l2Test, LiveFindsInThemWhatItFindsInTheSameFilesFrames) {
       run_program({"estimate", "--source", "h5:" + path("take.h5"), "--pipeline", "pipelines/free_hand.toml",
                    "--out", path("poses.txt"), "--records", path("file.jsonl")}),
       Succeeded());
-  std::map<std::int64_t, FrameRecord> of_file;
-  std::istringstream file(read_text_file(folder_ / "file.jsonl"));
-  for (std::string line; std::getline(file, line);) {
-    FrameRecord record = parse_frame_record(line);
-    of_file[record.frame] = std::move(record);
-  }
-  std::istringstream live(read_text_file(folder_ / "live.jsonl"));
-  int hands = 0;
-  for (std::string line; std::getline(live, line);) {
-    const FrameRecord record = parse_frame_record(line);
-    ASSERT_TRUE(of_file.contains(record.frame));
-    const FrameRecord& expected = of_file[record.frame];
+  const std::vector<FrameRecord> live = read_records(folder_ / "live.jsonl");
+  for (const FrameRecord& record : live)
     EXPECT_EQ(take()->read(record.frame).depth_mm, depth_from_counts(counts(record.frame), 1.0));
-    ASSERT_EQ(record.hands.size(), expected.hands.size());
-    for (std::size_t i = 0; i < record.hands.size(); ++i, ++hands) {
-      EXPECT_EQ(record.hands[i].landmarks_mm, expected.hands[i].landmarks_mm) << record.frame;
-    }
-  }
-  EXPECT_GT(hands, 0);
+  expect_records_of_file(live, read_records(folder_ / "file.jsonl"));
 }
 
 TEST_F(V4l2Test, InziGivesInfraredAsWell) {

@@ -152,16 +152,6 @@ std::string_view name_of(Landmark landmark) {
   return kLandmarkRows[static_cast<std::size_t>(landmark)].name;
 }
 
-bool is_own(Landmark landmark) {
-  return static_cast<std::size_t>(landmark) >= kLandmarkRows.size();
-}
-
-std::optional<Landmark> known_landmark(std::string_view name) {
-  const auto found = std::ranges::find(kLandmarkRows, name, &LandmarkRow::name);
-  if (found == kLandmarkRows.end()) return std::nullopt;
-  return static_cast<Landmark>(found - kLandmarkRows.begin());
-}
-
 int Convention::index_of(Landmark landmark) const {
   const auto found = std::ranges::find(landmarks, landmark);
   return found == landmarks.end() ? -1 : static_cast<int>(found - landmarks.begin());

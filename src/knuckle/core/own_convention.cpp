@@ -102,6 +102,18 @@ const Convention* find_registered(std::string_view name) {
 
 }  // namespace
 
+bool is_own(Landmark landmark) {
+  return static_cast<std::size_t>(landmark) >= kKnownLandmarks;
+}
+
+std::optional<Landmark> known_landmark(std::string_view name) {
+  for (std::size_t i = 0; i < kKnownLandmarks; ++i) {
+    const auto landmark = static_cast<Landmark>(i);
+    if (name_of(landmark) == name) return landmark;
+  }
+  return std::nullopt;
+}
+
 Landmark own_landmark(std::string_view name, Landmark near) {
   if (const std::optional<Landmark> known = known_landmark(name)) return *known;
   check_name(name, "landmark");

@@ -2,9 +2,7 @@
 #include <array>
 #include <cstdlib>
 #include <ostream>
-#include <thread>
 
-#include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/azure_calibration.h"
 #include "knuckle/data/readers/data_testing.h"
@@ -238,12 +236,7 @@ class MkvTest : public ::testing::Test {
   /// That a file is read, or refused with its name.
   void expect_answer_or_error(const std::string& bytes, const MkvOptions& options) const {
     put_file(path(), bytes);
-    try {
-      const MkvSource source(path(), options);
-      for (std::int64_t frame = 0; frame < source.size(); ++frame) (void)source.read(frame);
-    } catch (const Error& error) {
-      ASSERT_THAT(error.what(), HasSubstr("a.mkv"));
-    }
+    testing::expect_read_or_refused([&] { return MkvSource(path(), options); }, path());
   }
 
   testing::TemporaryFolder folder_;
@@ -279,32 +272,11 @@ TEST_P(MkvOfEachLayout, GivesDepthInfraredTimesAndCamera) {
 TEST_P(MkvOfEachLayout, RandomPlacesHaveTheFramesOfAStraightReading) {
   const MkvOptions options = small_options();
   const MkvSource source = open(recorded(small(GetParam().form), 60), options);
-  std::vector<Frame> straight;
-  for (std::int64_t i = 0; i < source.size(); ++i) straight.push_back(source.read(i));
-  const MkvSource again(path(), options);
-  Random random(3);
-  for (int i = 0; i < 200; ++i) {
-    const std::uint32_t index = random.below(60);
-    ASSERT_EQ(again.read(index).depth_mm, straight[index].depth_mm) << index;
-    ASSERT_EQ(again.read(index).infrared, straight[index].infrared) << index;
-  }
+  testing::expect_random_places_as_straight(source, MkvSource(path(), options));
 }
 
 TEST_P(MkvOfEachLayout, ManyThreadsReadAtOnce) {
-  const MkvSource source = open(recorded(small(GetParam().form), 60), small_options());
-  std::vector<std::thread> threads;
-  std::array<int, 4> wrong{};
-  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
-    threads.emplace_back([&, thread] {
-      Random random(thread);
-      for (int i = 0; i < 200; ++i) {
-        const std::int64_t index = random.below(60);
-        wrong[thread] += source.read(index).depth_mm(0, 0) == 500 + static_cast<float>(index) ? 0 : 1;
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(wrong, (std::array<int, 4>{}));
+  testing::expect_many_threads_may_read(open(recorded(small(GetParam().form), 60), small_options()));
 }
 
 /// Where the file says how long it is, it is noticed; else frames may be missing at the end.
@@ -324,13 +296,9 @@ TEST_P(MkvOfEachLayout, CutAnywhereIsRefusedOrHasFewerFrames) {
 TEST_P(MkvOfEachLayout, ChangedBytesAreReadOrRefused) {
   const MkvOptions options = small_options();
   const std::string whole = recorded(small(GetParam().form), 3).bytes();
-  Random random(5);
-  for (int i = 0; i < 300; ++i) {
-    std::string damaged = whole;
-    for (int change = 0; change <= i % 3; ++change)
-      damaged[random.below(static_cast<std::uint32_t>(damaged.size()))] =
-          static_cast<char>(random.below(256));
-    expect_answer_or_error(damaged, i % 2 == 0 ? options : MkvOptions());
+  for (const std::string& damaged : testing::damaged_copies(whole, 150)) {
+    expect_answer_or_error(damaged, options);
+    expect_answer_or_error(damaged, {});
   }
 }
 

@@ -5,13 +5,21 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <bzlib.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <lz4frame.h>
 #include <zstd.h>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/random.h"
+#include "knuckle/data/frame_source.h"
 
 namespace knuckle::testing {
 
@@ -84,5 +92,60 @@ struct TestCameraInfo {
   std::array<double, 9> k{7.5, 0, 3.25, 0, 7.25, 2.5, 0, 0, 1};
   std::array<double, 12> p{7.0, 0, 3.0, 0, 0, 6.5, 2.0, 0, 0, 0, 1, 0};
 };
+
+/// That 200 frames at random places are those of a straight reading, infrared images too.
+inline void expect_random_places_as_straight(const FrameSource& source, const FrameSource& again) {
+  std::vector<Frame> straight;
+  for (std::int64_t i = 0; i < source.size(); ++i) straight.push_back(source.read(i));
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const std::uint32_t index = random.below(static_cast<std::uint32_t>(straight.size()));
+    const Frame frame = again.read(index);
+    ASSERT_EQ(frame.depth_mm, straight[index].depth_mm) << index;
+    ASSERT_EQ(frame.infrared, straight[index].infrared) << index;
+  }
+}
+
+/// That four threads read the frames of one source, whose first pixels are 500 mm, 501 mm and so on.
+inline void expect_many_threads_may_read(const FrameSource& source) {
+  std::vector<std::thread> threads;
+  std::array<int, 4> wrong{};
+  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
+    threads.emplace_back([&, thread] {
+      Random random(thread);
+      for (int i = 0; i < 200; ++i) {
+        const std::int64_t index = random.below(static_cast<std::uint32_t>(source.size()));
+        wrong[thread] += source.read(index).depth_mm(0, 0) == 500 + static_cast<float>(index) ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, (std::array<int, 4>{}));
+}
+
+/// That what `open` gives is read to its end, or refused with the name of its file.
+template <class Open>
+void expect_read_or_refused(const Open& open, const std::filesystem::path& path) {
+  try {
+    const auto source = open();
+    for (std::int64_t frame = 0; frame < source.size(); ++frame) (void)source.read(frame);
+  } catch (const Error& error) {
+    ASSERT_THAT(error.what(), ::testing::HasSubstr(path.filename().string()));
+  }
+}
+
+/// `count` copies of a file, in each of which one to three bytes were changed.
+inline std::vector<std::string> damaged_copies(const std::string& whole, int count) {
+  std::vector<std::string> copies;
+  Random random(5);
+  for (int i = 0; i < count; ++i) {
+    std::string& damaged = copies.emplace_back(whole);
+    for (int change = 0; change <= i % 3; ++change) {
+      damaged[random.below(static_cast<std::uint32_t>(damaged.size()))] =
+          static_cast<char>(random.below(256));
+    }
+  }
+  return copies;
+}
 
 }  // namespace knuckle::testing
