@@ -33,6 +33,8 @@ development_packages=(
   chromium
   # checks exported networks
   python3-onnx
+  # what the notebooks use (examples/notebooks)
+  python3-matplotlib python3-torch
 )
 case "${1:-}" in
   "") packages+=("${development_packages[@]}") ;;

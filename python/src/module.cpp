@@ -11,7 +11,9 @@ PYBIND11_MODULE(_knuckle, module) {
   add_camera(module);
   add_frame(module);
   add_source(module);
+  add_stream(module);
   add_hand(module);
+  add_estimator(module);
   add_pipeline(module);
   add_tracker(module);
   add_hand_skeleton(module);

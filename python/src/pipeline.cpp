@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "depth_array.h"
+#include "estimator.h"
 #include "landmark_names.h"
 
 #include <filesystem>
@@ -27,7 +28,8 @@ constexpr const char* kDoc = R"(Finds hands in depth images: segments, crops, es
 
 Made by Pipeline.default(), Pipeline.load(path) or Pipeline.from_toml(text). It does not change, and may be used
 by many threads at once. With the path of a landmark definition (`knuckle landmarks`) as `landmarks`, poses have its
-landmarks in place of the model's.)";
+landmarks in place of the model's. An Estimator of your own as `estimator` takes the place of the tables
+[estimator] and [patch].)";
 
 constexpr const char* kFromTomlDoc = R"(The pipeline that the text of a pipeline file describes.
 
@@ -58,19 +60,24 @@ Pipeline with_landmarks(Pipeline pipeline, const std::optional<Path>& definition
   return pipeline;
 }
 
-Pipeline load(const Path& path, const std::optional<Path>& landmarks) {
+Pipeline load(const Path& path, const std::optional<Path>& landmarks,
+              const std::optional<OwnEstimator>& own) {
+  std::unique_ptr<Estimator> estimator = estimator_of(own);
   const WithoutLock unlocked;
-  return with_landmarks(Pipeline::load(path), landmarks);
+  return with_landmarks(Pipeline::load(path, std::move(estimator)), landmarks);
 }
 
-Pipeline load_default(const std::optional<Path>& landmarks) {
-  return load(resource_path("pipelines/default.toml"), landmarks);
+Pipeline load_default(const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
+  return load(resource_path("pipelines/default.toml"), landmarks, own);
 }
 
 Pipeline from_toml(const std::string& text, const std::optional<Path>& folder,
-                   const std::optional<Path>& landmarks) {
+                   const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
+  std::unique_ptr<Estimator> estimator = estimator_of(own);
   const WithoutLock unlocked;
-  return with_landmarks(Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines")), landmarks);
+  return with_landmarks(
+      Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines"), std::move(estimator)),
+      landmarks);
 }
 
 std::optional<Point3> start_from(const py::object& start) {
@@ -127,11 +134,12 @@ void add_pipeline(py::module_& module) {
   add_estimate(module);
   py::class_<Pipeline>(module, "Pipeline", kDoc)
       .def_static("default", &load_default, py::arg("landmarks") = py::none(),
+                  py::arg("estimator") = py::none(),
                   "The pipeline for single frames that comes with Knuckle.")
       .def_static("load", &load, py::arg("path"), py::arg("landmarks") = py::none(),
-                  "The pipeline that a file describes.")
+                  py::arg("estimator") = py::none(), "The pipeline that a file describes.")
       .def_static("from_toml", &from_toml, py::arg("text"), py::arg("folder") = py::none(),
-                  py::arg("landmarks") = py::none(), kFromTomlDoc)
+                  py::arg("landmarks") = py::none(), py::arg("estimator") = py::none(), kFromTomlDoc)
       .def("estimate", &estimate, py::arg("depth"), py::arg("camera"), py::arg("start") = py::none(),
            py::kw_only(), py::arg("depth_unit_mm") = 1.0, kEstimateDoc)
       .def_property_readonly(

@@ -51,11 +51,22 @@ void check_patch_options(const OptionTable& document, const Estimator& estimator
   }
 }
 
-PipelineParts parts_from(const OptionTable& document) {
+/// What the file asks for, unless the program brings its own, which says itself what patches it wants.
+std::unique_ptr<Estimator> estimator_of(const OptionTable& document, std::unique_ptr<Estimator> own) {
+  if (own) {
+    document.leave("estimator");
+    document.leave("patch");
+    return own;
+  }
   auto estimator = create_estimator(document.table("estimator"));
+  check_patch_options(document, *estimator);
+  return estimator;
+}
+
+PipelineParts parts_from(const OptionTable& document, std::unique_ptr<Estimator> own) {
+  auto estimator = estimator_of(document, std::move(own));
   const HandOptions defaults{.sure_confidence = estimator->sure_confidence()};
   PipelineParts parts{HandFinder(document, defaults), std::move(estimator)};
-  check_patch_options(document, *parts.estimator);
   for (const OptionTable& table : document.tables("refine")) parts.refiners.push_back(create_refiner(table));
   if (document.has("tracker")) document.table("tracker").read(parts.tracker.emplace());
   return parts;
@@ -122,16 +133,17 @@ Pipeline::Pipeline(PipelineParts parts)
   if (tracker_) check_options(*tracker_, "tracker");
 }
 
-Pipeline Pipeline::load(const std::filesystem::path& path) {
-  return from_table(OptionTable::load(path));
+Pipeline Pipeline::load(const std::filesystem::path& path, std::unique_ptr<Estimator> own) {
+  return from_table(OptionTable::load(path), std::move(own));
 }
 
-Pipeline Pipeline::from_toml(std::string_view toml, const std::filesystem::path& folder) {
-  return from_table(OptionTable::parse(toml, "pipeline", folder));
+Pipeline Pipeline::from_toml(std::string_view toml, const std::filesystem::path& folder,
+                             std::unique_ptr<Estimator> own) {
+  return from_table(OptionTable::parse(toml, "pipeline", folder), std::move(own));
 }
 
-Pipeline Pipeline::from_table(const OptionTable& document) {
-  Pipeline pipeline(parts_from(document));
+Pipeline Pipeline::from_table(const OptionTable& document, std::unique_ptr<Estimator> own) {
+  Pipeline pipeline(parts_from(document, std::move(own)));
   document.finish();
   pipeline.resolved_options_ = document.resolved_toml();
   return pipeline;

@@ -74,12 +74,14 @@ struct PipelineParts {
 /// The paper's framework (its Figure 1): segment, crop, estimate, refine.
 class Pipeline {
  public:
-  /// The pipeline that a file describes. Throws an Error that names file, line and key where the file, or a
-  /// model that it names, is wrong.
-  static Pipeline load(const std::filesystem::path& path);
+  /// The pipeline that a file describes. An estimator of one's own, where one is given, takes the place of
+  /// the tables `[estimator]` and `[patch]`, of which nothing is read then. Throws an Error that names file, line and key
+  /// where the file, or a model that it names, is wrong.
+  static Pipeline load(const std::filesystem::path& path, std::unique_ptr<Estimator> own = nullptr);
   /// The pipeline that the text of such a file describes; relative paths in it start from `folder`. Messages
   /// call it "pipeline" where they would name a file.
-  static Pipeline from_toml(std::string_view toml, const std::filesystem::path& folder);
+  static Pipeline from_toml(std::string_view toml, const std::filesystem::path& folder,
+                            std::unique_ptr<Estimator> own = nullptr);
 
   /// A pipeline of these parts; patches are made as the estimator asks for. Throws an Error where a part is
   /// missing (null).
@@ -119,7 +121,7 @@ class Pipeline {
     std::optional<double> hand;
   };
 
-  static Pipeline from_table(const OptionTable& document);
+  static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a pipeline file says must be what its model was trained on.
+#include <array>
+#include <memory>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file.h"
@@ -11,6 +14,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class PipelineFile : public ::testing::Test {
  protected:
@@ -50,6 +54,37 @@ TEST_F(PipelineFile, MayBeATextWhosePathsStartFromAFolder) {
               HasSubstr("elsewhere/small.pt"));
   EXPECT_THAT(testing::error_of([&] { Pipeline::from_toml("hands = 1\n" + toml, folder_.path()); }),
               HasSubstr("pipeline:1: hands: unknown key"));
+}
+
+/// Sees the palm in the middle of every patch, and is sure of it from a confidence of 0.31 on.
+class MiddleEstimator final : public Estimator {
+ public:
+  Convention convention() const override { return {"palm1", kPalm}; }
+  const PatchExtractor& patches() const override { return patches_; }
+  double sure_confidence() const override { return 0.31; }
+  PatchPose estimate(const HandPatch& /*patch*/) const override { return {{{0.0, 0.0, 0.0}}, {0.5f}}; }
+
+ private:
+  static constexpr std::array kPalm = {Landmark::palm};
+  PatchExtractor patches_{{.size_px = 48, .mode = "cube", .cube_mm = 180.0}};
+};
+
+TEST_F(PipelineFile, AnEstimatorOfOnesOwnTakesThePlaceOfItsTable) {
+  const std::string table = "[estimator]\nmethod = 'nobody knows it'\n[patch]\nsize_px = 32\n";
+  const Pipeline pipeline = Pipeline::from_toml("[hand]\nmax_hands = 2\n" + table, folder_.path(),
+                                                std::make_unique<MiddleEstimator>());
+  EXPECT_EQ(pipeline.convention().name, "palm1");
+  EXPECT_EQ(pipeline.hand().max_hands, 2);
+  EXPECT_EQ(pipeline.hand().sure_confidence, 0.31);
+  EXPECT_THAT(pipeline.resolved_options(), Not(HasSubstr("[estimator]")));
+  write_text_file(folder_ / "p.toml", table);
+  EXPECT_EQ(Pipeline::load(folder_ / "p.toml", std::make_unique<MiddleEstimator>()).convention().name,
+            "palm1");
+  EXPECT_THAT(testing::error_of([&] {
+                Pipeline::from_toml("[hands]\nmax = 2\n", folder_.path(),
+                                    std::make_unique<MiddleEstimator>());
+              }),
+              HasSubstr("unknown key"));
 }
 
 }  // namespace
