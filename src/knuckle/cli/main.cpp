@@ -10,6 +10,7 @@ void add_verbs(CLI::App& program) {
   add_inspect(program);
   add_shrink(program);
   add_render(program);
+  add_join(program);
   add_train(program);
   add_export(program);
   add_segment(program);

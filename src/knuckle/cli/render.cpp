@@ -8,7 +8,10 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/core/shard.h"
+#include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/data/writers/frame_writer.h"
 #include "knuckle/eval/pictures/contact_sheet.h"
@@ -24,6 +27,7 @@ struct RenderArguments {
   std::string format = "h5";
   std::int64_t first = 0;
   std::int64_t count = 0;
+  std::string shard;  ///< empty: all frames
   std::filesystem::path sheet;
   int tiles = 48;
   ContactSheetOptions layout;
@@ -38,8 +42,17 @@ std::int64_t frames_to_render(const RenderArguments& arguments, std::int64_t ava
   return arguments.count > 0 ? arguments.count : available - arguments.first;
 }
 
-void write_contact_sheet(const RenderArguments& arguments, const FrameSource& source, std::int64_t count) {
-  const auto frames = spread_frames(arguments.first, count, arguments.tiles);
+/// All frames, or the part that one of many machines makes.
+IndexRange frames_of_shard(const RenderArguments& arguments, const IndexRange& whole) {
+  if (arguments.shard.empty()) return whole;
+  if (arguments.format != "h5")
+    fail("--shard: parts are joined as h5; expected --format h5, not {}", printable(arguments.format));
+  return part_of(whole, shard_from_text(arguments.shard));
+}
+
+void write_contact_sheet(const RenderArguments& arguments, const FrameSource& source,
+                         const IndexRange& rendered) {
+  const auto frames = spread_frames(rendered.first, rendered.count, arguments.tiles);
   write_png(arguments.sheet, contact_sheet(source, frames, arguments.layout));
   fmt::print("contact sheet of {} frames: {}\n", frames.size(), arguments.sheet.string());
 }
@@ -50,17 +63,40 @@ std::string interruption_of(const RenderArguments& arguments, std::int64_t done,
                      arguments.format == "h5" ? "; the same command goes on" : "");
 }
 
-void write_frames(const RenderArguments& arguments, const FrameSource& source, std::int64_t count) {
+/// Whether the file is the part that is to be made: whoever runs a shard again does not lose it.
+bool is_there(const std::filesystem::path& out, const FrameWriterOptions& options) {
+  if (!options.part_of || !std::filesystem::exists(out)) return false;
+  const H5Facts found = H5Source(out).facts();
+  if (found.frames == IndexRange{options.first, options.count} && found.part_of == options.part_of &&
+      found.manifest == options.manifest) {
+    return true;
+  }
+  fail("{}: is another part, or of another set; remove it, or name another file", out.string());
+}
+
+FrameWriterOptions writer_options(const RenderArguments& arguments, const IndexRange& whole,
+                                  const IndexRange& frames) {
   FrameWriterOptions options;
-  options.first = arguments.first;
-  options.count = count;
+  options.first = frames.first;
+  options.count = frames.count;
   options.manifest = read_text_file(arguments.manifest);
+  if (!arguments.shard.empty()) options.part_of = whole;
+  return options;
+}
+
+void write_frames(const RenderArguments& arguments, const FrameSource& source,
+                  const FrameWriterOptions& options) {
+  const std::int64_t count = options.count;
+  if (is_there(arguments.out, options)) {
+    fmt::print("{} frames: {} (was there)\n", count, arguments.out.string());
+    return;
+  }
   const auto writer = create_frame_writer(arguments.format, arguments.out, options);
   Progress progress("render", "frames", count);
   std::atomic<std::int64_t> done = 0;
   try {
     parallel_for(count, [&](std::int64_t i) {
-      const std::int64_t index = arguments.first + i;
+      const std::int64_t index = options.first + i;
       if (!writer->has(index)) writer->write(index, source.read(index));
       ++done;
       progress.advance();
@@ -76,9 +112,10 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source, s
 void run_render(const RenderArguments& arguments) {
   if (arguments.out.empty() && arguments.sheet.empty()) throw CLI::RequiredError("--out or --contact-sheet");
   const auto source = open_synthetic(arguments.manifest);
-  const std::int64_t count = frames_to_render(arguments, source->size());
-  if (!arguments.out.empty()) write_frames(arguments, *source, count);
-  if (!arguments.sheet.empty()) write_contact_sheet(arguments, *source, count);
+  const IndexRange whole{arguments.first, frames_to_render(arguments, source->size())};
+  const IndexRange frames = frames_of_shard(arguments, whole);
+  if (!arguments.out.empty()) write_frames(arguments, *source, writer_options(arguments, whole, frames));
+  if (!arguments.sheet.empty()) write_contact_sheet(arguments, *source, frames);
 }
 
 }  // namespace
@@ -116,6 +153,10 @@ void add_render(CLI::App& program) {
       ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("N")
       ->capture_default_str();
+  verb.add_option(
+          "--shard", arguments->shard,
+          "The I-th (from 0) of N parts alone, for `knuckle join`; auto: that of the task of a Slurm array")
+      ->type_name("I/N");
   verb.callback([arguments] { run_render(*arguments); });
 }
 

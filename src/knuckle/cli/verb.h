@@ -28,6 +28,7 @@ void add_live(CLI::App& program);
 void add_record(CLI::App& program);
 void add_shrink(CLI::App& program);
 void add_render(CLI::App& program);
+void add_join(CLI::App& program);
 void add_segment(CLI::App& program);
 void add_train(CLI::App& program);
 

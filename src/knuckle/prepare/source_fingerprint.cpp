@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/data/readers/h5_parts.h"
 #include "knuckle/data/source_spec.h"
 #include "knuckle/hand/body_file.h"
 #include "knuckle/storage/content_hash.h"
@@ -60,6 +61,11 @@ std::string source_fingerprint(const std::string& source, std::span<const fs::pa
                                  spec.selection.step);
   for (const auto& [key, value] : spec.settings) text += fmt::format("{}={}\n", key, value);
   if (spec.kind == "synthetic") return text_hash(text + state_of_synthetic(spec.path));
+  if (names_several_files(spec.path)) {
+    for (const fs::path& part : matching_files(spec.path))
+      text += fmt::format("{}: {}\n", part.filename().string(), state_of(part));
+    return text_hash(text);
+  }
   if (!fs::is_directory(spec.path)) return text_hash(text + state_of(spec.path));
   std::set<fs::path> skipped;
   for (const fs::path& path : except) skipped.insert(fs::weakly_canonical(path));

@@ -14,7 +14,8 @@ namespace knuckle {
 // The Knuckle dataset, an HDF5 file, version 2. Attributes of the root: `format`, `version`, `complete` (1
 // once all frames are in), `first_index`, `manifest` (text), `depth_unit_mm` (millimetres a count of depth),
 // `joints_unit`, `landmarks` (names of the rows of joints_mm), `pixel_origin` ("centre"), `camera_model`,
-// `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order). Arrays, a row per frame:
+// `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order); in a part of a set that was
+// made in several, `part_of_first` and `part_of_count`, the frames of the whole. Arrays, a row per frame:
 
 inline constexpr std::string_view kH5Depth = "depth";        ///< N x H x W uint16, 0 = no measurement
 inline constexpr std::string_view kH5Mask = "mask";          ///< N x H x W uint8, 1 = hand; may be missing
@@ -41,6 +42,10 @@ inline constexpr std::string_view kH5HandsJoints = "hands_joints_mm";  ///< M x 
 inline constexpr std::string_view kH5HandsOccluders = "hands_occluders";
 /// M float64: the part of a hand's pixels that nothing else hides, [0, 1].
 inline constexpr std::string_view kH5HandsVisible = "hands_visible_share";
+
+// Attributes of a part of a set: the frames of the whole.
+inline constexpr std::string_view kH5PartOfFirst = "part_of_first";
+inline constexpr std::string_view kH5PartOfCount = "part_of_count";
 
 /// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/ranges.h>
@@ -36,13 +37,13 @@ double depth_unit_of(const Hdf5File& file) {
   return unit_mm;
 }
 
-std::int64_t first_index_of(const Hdf5File& file) {
-  const double first = file.number_attribute("first_index");
-  if (!(first >= 0 && first <= static_cast<double>(limits::kFrames) && first == std::floor(first))) {
-    fail("{}: the attribute 'first_index' is {}, expected a whole number from 0 to {}", file.path().string(),
-         first, limits::kFrames);
+std::int64_t whole_number(const Hdf5File& file, std::string_view attribute) {
+  const double value = file.number_attribute(attribute);
+  if (!(value >= 0 && value <= static_cast<double>(limits::kFrames) && value == std::floor(value))) {
+    fail("{}: the attribute '{}' is {}, expected a whole number from 0 to {}", file.path().string(),
+         attribute, value, limits::kFrames);
   }
-  return static_cast<std::int64_t>(first);
+  return static_cast<std::int64_t>(value);
 }
 
 }  // namespace
@@ -52,7 +53,7 @@ H5Source::H5Source(const std::filesystem::path& path)
       bytes_(std::filesystem::file_size(path)),
       camera_(read_camera(file_)),
       depth_unit_mm_(depth_unit_of(file_)),
-      first_index_(first_index_of(file_)),
+      first_index_(whole_number(file_, "first_index")),
       has_infrared_(file_.has(kH5Infrared)),
       has_mask_(file_.has(kH5Mask)),
       has_joints_(file_.has(kH5Joints)),
@@ -211,6 +212,68 @@ HandTruth H5Source::read_hand(std::uint64_t hand, const Projection& projection,
   if (!(truth.visible_share >= 0.0 && truth.visible_share <= 1.0))
     fail("{}: {}: is {}, expected 0 to 1", where, kH5HandsVisible, truth.visible_share);
   return truth;
+}
+
+H5Facts H5Source::facts() const {
+  H5Facts facts;
+  facts.frames = {first_index_, size_};
+  if (file_.has_attribute(kH5PartOfFirst)) {
+    facts.part_of = IndexRange{whole_number(file_, kH5PartOfFirst), whole_number(file_, kH5PartOfCount)};
+    if (facts.part_of->first > facts.frames.first || facts.part_of->end() < facts.frames.end()) {
+      fail("{}: holds frames {} to {}, but calls itself a part of {} to {}", file_.path().string(),
+           facts.frames.first, facts.frames.end() - 1, facts.part_of->first, facts.part_of->end() - 1);
+    }
+  }
+  facts.manifest = file_.text_attribute("manifest");
+  facts.depth_unit_mm = depth_unit_mm_;
+  facts.camera = read_frame_camera(0);
+  facts.has_infrared = has_infrared_;
+  facts.has_mask = has_mask_;
+  facts.has_labels = has_labels_;
+  facts.has_time = !timeline_.times_s.empty();
+  return facts;
+}
+
+template <class T>
+std::vector<std::uint8_t> H5Source::read_chunk(std::string_view array, std::uint64_t row) const {
+  Image<T> pixels(camera_.width, camera_.height);
+  file_.read_rows(array, row, 1, pixels.data());
+  return chunk_of(pixels);
+}
+
+std::vector<StoredHand> H5Source::read_stored_hands(std::uint64_t row) const {
+  std::vector<StoredHand> hands;
+  const std::int64_t first = row == 0 ? 0 : hands_ends_[row - 1];
+  for (std::int64_t i = first; i < hands_ends_[row]; ++i) {
+    const auto number = static_cast<std::uint64_t>(i);
+    StoredHand& hand = hands.emplace_back();
+    file_.read_rows(kH5HandsSide, number, 1, &hand.side);
+    file_.read_rows(kH5HandsJoints, number, 1, hand.joints_mm.data());
+    file_.read_rows(kH5HandsOccluders, number, 1, hand.occluders.data());
+    file_.read_rows(kH5HandsVisible, number, 1, &hand.visible_share);
+  }
+  return hands;
+}
+
+StoredFrame H5Source::read_stored(std::int64_t index) const {
+  const std::uint64_t row = row_of(index);
+  StoredFrame stored;
+  stored.camera = read_frame_camera(row);
+  stored.side = code_of(read_side(row));
+  stored.time_s = timeline_.time_s(index).value_or(kNaN);
+  stored.sequence = timeline_.sequence(index);
+  stored.joints_mm.fill(std::numeric_limits<float>::quiet_NaN());
+  if (has_joints_) file_.read_rows(kH5Joints, row, 1, stored.joints_mm.data());
+  stored.depth = read_chunk<std::uint16_t>(kH5Depth, row);
+  if (has_infrared_) stored.infrared = read_chunk<std::uint16_t>(kH5Infrared, row);
+  if (has_mask_) stored.mask = read_chunk<std::uint8_t>(kH5Mask, row);
+  if (has_labels_) stored.labels = chunk_of(read_labels(row));
+  if (!hands_ends_.empty()) {
+    (void)read_hands(row, Projection(stored.camera));  // throws where one is impossible
+    stored.hands = read_stored_hands(row);
+  }
+  require_unchanged();
+  return stored;
 }
 
 std::string H5Source::name_of(std::int64_t index) const {

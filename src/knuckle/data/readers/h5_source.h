@@ -6,11 +6,26 @@
 #include <optional>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/shard.h"
 #include "knuckle/data/frame_source.h"
+#include "knuckle/data/readers/stored_frame.h"
 #include "knuckle/data/readers/timeline.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
+
+/// What a Knuckle dataset says of all its frames.
+struct H5Facts {
+  IndexRange frames;                       ///< by the numbers that they have in the whole set
+  std::optional<IndexRange> part_of = {};  ///< that whole, where the file is a part of a set made in several
+  std::string manifest;                    ///< how they were made
+  double depth_unit_mm = 0.1;
+  Camera camera;  ///< of the first frame
+  bool has_infrared = false;
+  bool has_mask = false;
+  bool has_labels = false;
+  bool has_time = false;
+};
 
 /// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time; a
 /// file that is cut short or replaced meanwhile is an Error of the frame that is read.
@@ -25,6 +40,10 @@ class H5Source final : public FrameSource {
   FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override;
 
+  H5Facts facts() const;
+  /// Frame `index` in [0, size) as it stands in the file, its images compressed anew. Throws as `read` does.
+  StoredFrame read_stored(std::int64_t index) const;
+
  private:
   void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
   Timeline read_timeline() const;
@@ -38,6 +57,9 @@ class H5Source final : public FrameSource {
   Image<std::uint8_t> read_labels(std::uint64_t row) const;
   std::vector<HandTruth> read_hands(std::uint64_t row, const Projection& projection) const;
   HandTruth read_hand(std::uint64_t hand, const Projection& projection, const std::string& where) const;
+  std::vector<StoredHand> read_stored_hands(std::uint64_t row) const;
+  template <class T>
+  std::vector<std::uint8_t> read_chunk(std::string_view array, std::uint64_t row) const;
 
   Hdf5File file_;
   std::uintmax_t bytes_;  ///< of the file as it was opened

@@ -7,6 +7,7 @@
 #include "knuckle/core/named_table.h"
 #include "knuckle/data/readers/fakenect_source.h"
 #include "knuckle/data/readers/folder_source.h"
+#include "knuckle/data/readers/h5_parts.h"
 #include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/readers/hands17_source.h"
 #include "knuckle/data/readers/icg_source.h"
@@ -31,6 +32,13 @@ std::unique_ptr<FrameSource> open_plain(const SourceSpec& spec) {
   return std::make_unique<Source>(spec.path);
 }
 
+/// One file, or all parts of a set that a pattern names.
+std::unique_ptr<FrameSource> open_h5(const SourceSpec& spec) {
+  require_no_settings(spec);
+  if (names_several_files(spec.path)) return std::make_unique<H5PartsSource>(matching_files(spec.path));
+  return std::make_unique<H5Source>(spec.path);
+}
+
 constexpr std::array kKinds{
     DatasetKind{"folder", "folder with dataset.toml and depth/*.png", open_plain<FolderSource>},
     DatasetKind{"icg", "ICG set, synthetic (EXR) or recorded (CSV)",
@@ -40,7 +48,7 @@ constexpr std::array kKinds{
     DatasetKind{"msra15", "MSRA 2015 set: cropped .bin and joint.txt", open_plain<Msra15Source>},
     DatasetKind{"hands17", "HANDS 2017 challenge: 16-bit PNG and annotation file",
                 open_with_options<Hands17Source, Hands17Options>},
-    DatasetKind{"h5", "Knuckle dataset, one HDF5 file", open_plain<H5Source>},
+    DatasetKind{"h5", "Knuckle dataset: one HDF5 file, or parts of it (parts/*.h5)", open_h5},
     DatasetKind{"fakenect", "recording of a Kinect: folder of libfreenect's fakenect-record",
                 open_with_options<FakenectSource, FakenectOptions>},
     DatasetKind{"rosbag", "depth topic of a ROS 1 bag, RealSense's too",

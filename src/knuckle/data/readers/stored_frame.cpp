@@ -52,12 +52,15 @@ StoredHand stored_hand(const HandTruth& hand, const Projection& projection) {
   return stored;
 }
 
-/// Low and high bytes are coded apart.
-std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& image) {
-  return deflated(shuffled(image.pixels()));
+}  // namespace
+
+std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& counts) {
+  return deflated(shuffled(counts.pixels()));
 }
 
-}  // namespace
+std::vector<std::uint8_t> chunk_of(const Image<std::uint8_t>& pixels) {
+  return deflated(pixels.pixels());
+}
 
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where) {
   const Projection projection(frame.camera);
@@ -70,8 +73,8 @@ StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_v
       joints_in_camera(frame.truth.value_or(HandPose::missing(superset_convention())), projection);
   stored.depth = chunk_of(counts_from_depth(frame.depth_mm, depth_unit_mm, where));
   if (!frame.infrared.empty()) stored.infrared = chunk_of(frame.infrared);
-  if (!frame.mask.empty()) stored.mask = deflated(mask_from_pixels(frame.mask).pixels());
-  if (!frame.labels.empty()) stored.labels = deflated(frame.labels.pixels());
+  if (!frame.mask.empty()) stored.mask = chunk_of(mask_from_pixels(frame.mask));
+  if (!frame.labels.empty()) stored.labels = chunk_of(frame.labels);
   for (const HandTruth& hand : frame.hands) stored.hands.push_back(stored_hand(hand, projection));
   return stored;
 }

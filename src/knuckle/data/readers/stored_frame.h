@@ -37,6 +37,11 @@ struct StoredFrame {
 /// exceeds what 16 bits hold.
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where);
 
+/// The images of a Knuckle dataset as its chunks: counts with low and high bytes apart, deflated.
+std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& counts);
+/// Pixels as a deflated chunk.
+std::vector<std::uint8_t> chunk_of(const Image<std::uint8_t>& pixels);
+
 /// As one piece, for a FrameLog of this program.
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame);
 /// The frame from the bytes that `to_bytes` made.

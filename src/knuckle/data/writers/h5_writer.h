@@ -6,10 +6,9 @@
 
 #include "knuckle/data/readers/frame_log.h"
 #include "knuckle/data/readers/stored_frame.h"
-#include "knuckle/data/readers/timeline.h"
 #include "knuckle/data/writers/frame_ledger.h"
 #include "knuckle/data/writers/frame_writer.h"
-#include "knuckle/storage/hdf5/hdf5_writer.h"
+#include "knuckle/data/writers/h5_assembly.h"
 
 namespace knuckle {
 
@@ -31,20 +30,12 @@ class H5Writer final : public FrameWriter {
  private:
   void restore();
   std::int64_t count() const;
-  void write_whole(const std::filesystem::path& path) const;
-  void create_arrays(Hdf5Writer& file) const;
-  /// Frames [first, first + count) of the set, from the log.
-  std::vector<StoredFrame> read_back(std::int64_t first, std::int64_t count) const;
-  void write_frames(Hdf5Writer& file) const;
-  void write_timeline(Hdf5Writer& file, const Timeline& timeline) const;
+  H5Facts facts() const;
 
   std::filesystem::path path_;
   FrameWriterOptions options_;
   FrameLedger ledger_;
   FrameLog log_;
 };
-
-/// The camera of the first frame as attributes of the file.
-void write_camera(Hdf5Writer& file, const Camera& camera);
 
 }  // namespace knuckle

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of a set, joined or read as one.
+#include "knuckle/data/writers/join_parts.h"
+
+#include <optional>
+
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/random.h"
+#include "knuckle/core/testing.h"
+#include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/h5_parts.h"
+#include "knuckle/data/readers/open_dataset.h"
+#include "knuckle/data/writers/h5_writer.h"
+
+namespace fs = std::filesystem;
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::noise_frame;
+using testing::put_file;
+
+constexpr IndexRange kWhole{40, 23};
+
+/// Unlike its neighbours in all that a set holds: side, time, sequence, labels, number of hands, camera.
+Frame frame_of(std::int64_t index) {
+  Frame frame =
+      noise_frame(testing::small_camera(), superset_convention(), static_cast<std::uint64_t>(index));
+  frame.camera.fx += 0.25 * static_cast<double>(index);
+  if (index % 3 != 0) frame.side = index % 3 == 1 ? HandSide::left : HandSide::right;
+  frame.time_s = 0.04 * static_cast<double>(index % 10);
+  frame.sequence = static_cast<int>(index / 10);
+  frame.labels = Image<std::uint8_t>(frame.camera.width, frame.camera.height);
+  Random random(9, static_cast<std::uint64_t>(index));
+  for (std::uint8_t& label : frame.labels.pixels()) label = static_cast<std::uint8_t>(random.below(5));
+  for (std::int64_t i = 0; i < index % 3; ++i) {
+    HandTruth hand;
+    hand.side = i == 0 ? HandSide::left : HandSide::right;
+    hand.pose = *frame.truth;
+    for (int joint = 0; joint < kSupersetSize; ++joint)
+      hand.occluders.push_back(static_cast<Occluder>(random.below(6)));
+    hand.visible_share = random.uniform();
+    frame.hands.push_back(hand);
+  }
+  return frame;
+}
+
+class JoinParts : public ::testing::Test {
+ protected:
+  fs::path write(const std::string& name, const IndexRange& frames, const std::optional<IndexRange>& part_of,
+                 const std::string& manifest = "a = 1", bool has_infrared = true) const {
+    FrameWriterOptions options;
+    options.first = frames.first;
+    options.count = frames.count;
+    options.manifest = manifest;
+    options.part_of = part_of;
+    H5Writer writer(folder_ / name, options);
+    parallel_for(frames.count, [&](std::int64_t i) {
+      Frame frame = frame_of(frames.first + i);
+      if (!has_infrared) frame.infrared = {};
+      writer.write(frames.first + i, frame);
+    });
+    writer.finish();
+    return folder_ / name;
+  }
+  std::vector<fs::path> write_parts(std::int64_t count) const {
+    std::vector<fs::path> parts;
+    for (std::int64_t i = 0; i < count; ++i)
+      parts.push_back(write(fmt::format("part{}.h5", i), part_of(kWhole, {i, count}), kWhole));
+    return parts;
+  }
+  std::string fault(const std::vector<fs::path>& parts) const {
+    const std::string fault = error_of([&] { join_parts(parts, folder_ / "out.h5"); });
+    EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
+    EXPECT_FALSE(fs::exists(folder_ / "out.h5.assembled"));
+    return fault;
+  }
+
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(JoinParts, HasTheBytesOfASetMadeInOnePiece) {
+  const std::string whole = read_text_file(write("whole.h5", kWhole, std::nullopt));
+  for (const std::int64_t count : {1, 2, 7, 23}) {
+    std::vector<fs::path> parts = write_parts(count);
+    std::ranges::reverse(parts);
+    const fs::path out = folder_ / fmt::format("joined{}.h5", count);
+    EXPECT_EQ(join_parts(parts, out), kWhole);
+    EXPECT_TRUE(read_text_file(out) == whole) << count;
+    for (const fs::path& part : parts) fs::remove(part);
+  }
+}
+
+TEST_F(JoinParts, AreReadAsOneSourceWithoutJoining) {
+  write("whole.h5", kWhole, std::nullopt);
+  fs::create_directory(folder_ / "parts");
+  for (const fs::path& part : write_parts(5)) fs::rename(part, folder_ / "parts" / part.filename());
+  const auto whole = open_dataset("h5:" + (folder_ / "whole.h5").string());
+  const auto parts = open_dataset("h5:" + (folder_ / "parts/*.h5").string());
+  ASSERT_EQ(parts->size(), kWhole.count);
+  EXPECT_EQ(parts->convention()->name, whole->convention()->name);
+  parallel_for(kWhole.count, [&](std::int64_t i) {
+    const Frame expected = whole->read(i);
+    const Frame frame = parts->read(i);
+    EXPECT_EQ(frame.name, expected.name);
+    EXPECT_EQ(frame.depth_mm, expected.depth_mm);
+    EXPECT_EQ(frame.labels, expected.labels);
+    EXPECT_EQ(frame.hands.size(), expected.hands.size());
+    EXPECT_EQ(frame.camera, expected.camera);
+    EXPECT_EQ(frame.sequence, expected.sequence);
+    EXPECT_EQ(parts->read_label(i).name, expected.name);
+  });
+  EXPECT_THAT(error_of([&] { parts->read(kWhole.count); }), HasSubstr("have 23 frames"));
+  EXPECT_EQ(open_dataset("h5:" + (folder_ / "parts/*.h5?first=3&count=2").string())->read(1).name,
+            "00000044");
+  EXPECT_THAT(error_of([&] { open_dataset("h5:" + (folder_ / "none/*.h5").string()); }),
+              HasSubstr("no file is named so"));
+}
+
+/// More parts than are kept open.
+TEST_F(JoinParts, ManyPartsAreReadInAnyOrder) {
+  constexpr std::int64_t kMany = 150;
+  std::vector<fs::path> paths;
+  for (std::int64_t i = 0; i < kMany; ++i)
+    paths.push_back(write(fmt::format("{:03}.h5", i), {i, 1}, std::nullopt));
+  const H5PartsSource source(paths);
+  for (std::int64_t i = 0; i < 2 * kMany; ++i) {
+    const std::int64_t index = i * 67 % kMany;
+    ASSERT_EQ(source.read(index).name, fmt::format("{:08}", index));
+  }
+}
+
+TEST_F(JoinParts, MissingFramesAreNamed) {
+  std::vector<fs::path> parts = write_parts(4);  // 40 to 44, 45 to 50, 51 to 56, 57 to 62
+  const auto without = [&](std::size_t part) {
+    std::vector<fs::path> others = parts;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(part));
+    return fault(others);
+  };
+  EXPECT_THAT(without(0), AllOf(HasSubstr("part1.h5"), HasSubstr("frames 40 to 44 are missing before it")));
+  EXPECT_THAT(without(2), HasSubstr("frames 51 to 56 are missing before it"));
+  EXPECT_THAT(without(3), AllOf(HasSubstr("part2.h5"), HasSubstr("frames 57 to 62 are missing after it")));
+  EXPECT_THAT(fault({}), HasSubstr("no part"));
+}
+
+TEST_F(JoinParts, FramesThatAreThereTwiceAreNamed) {
+  std::vector<fs::path> parts = write_parts(2);
+  parts.push_back(parts[0]);
+  EXPECT_THAT(fault(parts), HasSubstr("frames 40 to 50 are in"));
+  EXPECT_THAT(fault({write("a.h5", {0, 4}, std::nullopt), write("b.h5", {3, 4}, std::nullopt)}),
+              AllOf(HasSubstr("b.h5"), HasSubstr("frame 3 is in"), HasSubstr("a.h5")));
+}
+
+TEST_F(JoinParts, PartsOfDifferentSetsAreRefused) {
+  const fs::path first = write("first.h5", {0, 2}, IndexRange{0, 4});
+  EXPECT_THAT(fault({first, write("b.h5", {2, 2}, IndexRange{0, 4}, "a = 2")}),
+              AllOf(HasSubstr("b.h5"), HasSubstr("another manifest"), HasSubstr("first.h5")));
+  EXPECT_THAT(fault({first, write("c.h5", {2, 2}, IndexRange{0, 5})}), HasSubstr("part of another set"));
+  EXPECT_THAT(fault({first, write("d.h5", {2, 2}, std::nullopt)}), HasSubstr("part of another set"));
+  EXPECT_THAT(fault({first, write("e.h5", {2, 2}, IndexRange{0, 4}, "a = 1", false)}),
+              HasSubstr("other kinds of images"));
+}
+
+TEST_F(JoinParts, BrokenAndUnfinishedPartsAreNamed) {
+  const std::vector<fs::path> parts = write_parts(2);
+  const std::string whole = read_text_file(parts[1]);
+  put_file(parts[1], whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(fault(parts), HasSubstr("part1.h5"));
+  fs::remove(parts[1]);
+  EXPECT_THAT(fault(parts), HasSubstr("part1.h5"));
+  FrameWriterOptions options;
+  options.count = 2;
+  const H5Writer unfinished(folder_ / "u.h5", options);
+  EXPECT_THAT(fault({folder_ / "u.h5.partial"}), HasSubstr("is unfinished"));
+}
+
+/// A changed byte of an image is noticed by its sum while it is joined, and nothing is left of the joined
+/// file.
+TEST_F(JoinParts, AChangedImageIsNoticed) {
+  const std::vector<fs::path> parts = write_parts(2);
+  const std::string whole = read_text_file(parts[0]);
+  int noticed = 0;
+  constexpr int kChanges = 60;
+  Random random(4);
+  for (int i = 0; i < kChanges; ++i) {
+    std::string damaged = whole;
+    const std::size_t place = whole.size() / 2 + random.below(static_cast<std::uint32_t>(whole.size() / 2));
+    damaged[place] = static_cast<char>(damaged[place] ^ 0x10);
+    put_file(parts[0], damaged);
+    try {
+      join_parts(parts, folder_ / "out.h5");
+    } catch (const Error&) {
+      ++noticed;
+      EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
+    }
+    fs::remove(folder_ / "out.h5");
+  }
+  EXPECT_GT(noticed, kChanges / 2);
+}
+
+TEST_F(JoinParts, NothingIsOverwritten) {
+  const std::vector<fs::path> parts = write_parts(2);
+  put_file(folder_ / "there.h5", "mine");
+  EXPECT_THAT(error_of([&] { join_parts(parts, folder_ / "there.h5"); }), HasSubstr("exists already"));
+  EXPECT_EQ(read_text_file(folder_ / "there.h5"), "mine");
+  EXPECT_THAT(error_of([&] { join_parts(parts, folder_ / "no/such/out.h5"); }), HasSubstr("out.h5"));
+}
+
+}  // namespace
+}  // namespace knuckle

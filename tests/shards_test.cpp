@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// One data set made in parts, as by many machines, of which some are killed.
+#include "program.h"
+
+#include <cstdlib>
+
+#include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
+
+namespace fs = std::filesystem;
+
+namespace knuckle::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kDemoManifest = "manifests/demo.toml";
+
+class ShardsTest : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directory(folder_ / "parts"); }
+
+  std::string path(const std::string& name) const { return folder_ / name; }
+  std::string part(int number) const { return path("parts/" + std::to_string(number) + ".h5"); }
+  std::vector<std::string> rendering(int number, int count) const {
+    return {"render", "--manifest", kDemoManifest, "--shard", fmt::format("{}/{}", number, count),
+            "--out",  part(number)};
+  }
+  ProgramRun join(int count) const {
+    std::vector<std::string> arguments = {"join", "--out", path("joined.h5")};
+    for (int i = count - 1; i >= 0; --i) arguments.push_back(part(i));
+    return run_program(arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ShardsTest, PartsMakeTheBytesOfTheWholeThoughOneIsKilled) {
+  ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--out", path("whole.h5")}), Succeeded());
+  constexpr int kCount = 3;
+  for (const int number : {2, 0, 1}) {
+    if (number == 0) {
+      const auto has_begun = [&] {
+        std::error_code missing;
+        return fs::file_size(part(0) + ".partial", missing) > 30000 && !missing;
+      };
+      EXPECT_EQ(run_program_until(has_begun, rendering(0, kCount)).status, 128 + SIGKILL);
+      EXPECT_THAT(join(1), FailedWith("0.h5")) << "a part that is not whole is no part";
+    }
+    ASSERT_THAT(run_program(rendering(number, kCount)), Succeeded());
+  }
+  const fs::file_time_type written = fs::last_write_time(part(1));
+  const ProgramRun again = run_program(rendering(1, kCount));
+  ASSERT_THAT(again, Succeeded());
+  EXPECT_THAT(again.out, HasSubstr("was there"));
+  EXPECT_EQ(fs::last_write_time(part(1)), written);
+
+  const ProgramRun joined = join(kCount);
+  ASSERT_THAT(joined, Succeeded());
+  EXPECT_THAT(joined.out, HasSubstr("40 frames of 3 parts"));
+  EXPECT_TRUE(read_text_file(path("joined.h5")) == read_text_file(path("whole.h5")));
+
+  const auto poses_of = [&](const std::string& source, const std::string& out) {
+    EXPECT_THAT(run_program({"estimate", "--source", source, "--pipeline", "pipelines/free_hand.toml",
+                             "--out", path(out)}),
+                Succeeded());
+    return read_text_file(path(out));
+  };
+  EXPECT_EQ(poses_of("h5:" + path("parts/*.h5"), "a.txt"), poses_of("h5:" + path("whole.h5"), "b.txt"));
+}
+
+TEST_F(ShardsTest, WhatIsMissingIsNamedAndMadeAgainAlone) {
+  for (const int number : {0, 1, 3}) ASSERT_THAT(run_program(rendering(number, 4)), Succeeded());
+  const std::vector<std::string> others = {"join", "--out", path("joined.h5"), part(0), part(1), part(3)};
+  EXPECT_THAT(run_program(others), FailedWith("frames 20 to 29 are missing"));
+  EXPECT_FALSE(fs::exists(path("joined.h5")));
+  ASSERT_THAT(run_program(rendering(2, 4)), Succeeded());
+  EXPECT_THAT(join(4), Succeeded());
+}
+
+TEST_F(ShardsTest, PartsOfOtherSetsAreRefused) {
+  ASSERT_THAT(run_program(rendering(0, 2)), Succeeded());
+  write_text_file(path("other.toml"), read_text_file(kDemoManifest) + "\n# another\n");
+  ASSERT_THAT(run_program({"render", "--manifest", path("other.toml"), "--shard", "1/2", "--out", part(1)}),
+              Succeeded());
+  EXPECT_THAT(join(2), FailedWith("was made from another manifest"));
+  // A part that is there, but of another cut, is not overwritten.
+  EXPECT_THAT(run_program({"render", "--manifest", kDemoManifest, "--shard", "0/3", "--out", part(0)}),
+              FailedWith("0.h5"));
+}
+
+TEST_F(ShardsTest, WrongShardsAreRefused) {
+  const auto shard = [&](const std::string& text) {
+    return run_program({"render", "--manifest", kDemoManifest, "--shard", text, "--out", part(0)});
+  };
+  EXPECT_THAT(shard("4/4"), FailedWith("expected I/N"));
+  EXPECT_THAT(shard("0/41"), FailedWith("there are 40 frames"));
+  EXPECT_THAT(shard("auto"), FailedWith("no task of a Slurm job array"));
+  EXPECT_THAT(run_program({"render", "--manifest", kDemoManifest, "--shard", "0/2", "--format", "folder",
+                           "--out", path("set")}),
+              FailedWith("expected --format h5"));
+}
+
+TEST_F(ShardsTest, ATaskOfAnArrayKnowsItsPart) {
+  ::setenv("SLURM_ARRAY_TASK_ID", "7", 1);
+  ::setenv("SLURM_ARRAY_TASK_MIN", "6", 1);
+  ::setenv("SLURM_ARRAY_TASK_COUNT", "8", 1);
+  const ProgramRun run =
+      run_program({"render", "--manifest", kDemoManifest, "--shard", "auto", "--out", part(1)});
+  for (const char* const name : {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_COUNT"})
+    ::unsetenv(name);
+  ASSERT_THAT(run, Succeeded());
+  ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--shard", "1/8", "--out", part(2)}),
+              Succeeded());
+  EXPECT_TRUE(read_text_file(part(1)) == read_text_file(part(2)));
+}
+
+}  // namespace
+}  // namespace knuckle::testing
