@@ -43,8 +43,9 @@ inline constexpr std::string_view kH5HandsOccluders = "hands_occluders";
 /// M float64: the part of a hand's pixels that nothing else hides, [0, 1].
 inline constexpr std::string_view kH5HandsVisible = "hands_visible_share";
 
-// Attributes of a part of a set: the frames of the whole.
+/// Attribute of a part of a set: number of the whole set's first frame.
 inline constexpr std::string_view kH5PartOfFirst = "part_of_first";
+/// Attribute of a part of a set: frames of the whole set.
 inline constexpr std::string_view kH5PartOfCount = "part_of_count";
 
 /// What the file calls itself.
