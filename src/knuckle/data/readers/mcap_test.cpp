@@ -432,6 +432,16 @@ TEST_F(McapTest, SeveralDepthTopicsAreListedAndOneIsChosen) {
   EXPECT_THAT(fault(mcap, {.topic = kMcapColour}), HasSubstr("encoding 'rgb8', expected depth"));
 }
 
+TEST_F(McapTest, InfraredComesWithTheDepth) {
+  McapTestWriter mcap = filled({});
+  for (int i = 0; i < 8; ++i) {
+    const TestImage image{.encoding = "mono8", .stamp_s = 1000.0 + i / 30.0, .bytes = 1};
+    mcap.add("/camera/infra1/image_rect_raw", kMcapImage, image.stamp_s, image_of(image, 20 + i));
+  }
+  EXPECT_EQ(open(mcap).read(5).infrared(7, 5), 25 + 57);
+  EXPECT_TRUE(open(mcap, {.infrared = "none"}).read(5).infrared.empty());
+}
+
 TEST_F(McapTest, WithoutADepthTopicItSaysWhatThereIs) {
   McapTestWriter colour;
   colour.add(kMcapColour, kMcapImage, 5.0, image_of({.encoding = "rgb8"}, 0));

@@ -66,18 +66,19 @@ struct TestImage {
   bool is_big_endian = false;
   std::uint32_t padding = 0;  ///< bytes at the end of each row
   double stamp_s = 0.0;
+  std::uint32_t bytes = 2;  ///< of a pixel, 1 or 2
 
-  std::uint32_t step() const { return 2 * width + padding; }
+  std::uint32_t step() const { return bytes * width + padding; }
 };
 
-/// The rows of a 16-bit image: pixel (column, row) is `first` + column + 10 row.
+/// The rows of an image: pixel (column, row) is `first` + column + 10 row.
 inline std::string pixels_of(const TestImage& image, int first) {
   std::string pixels;
   for (std::uint32_t row = 0; row < image.height; ++row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
       std::string pixel = little(static_cast<std::uint16_t>(first + static_cast<int>(column + 10 * row)));
       if (image.is_big_endian) std::swap(pixel[0], pixel[1]);
-      pixels += pixel;
+      pixels += pixel.substr(0, image.bytes);
     }
     pixels += std::string(image.padding, '\x55');
   }

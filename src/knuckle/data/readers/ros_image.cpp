@@ -14,14 +14,11 @@ namespace {
 constexpr std::string_view kMetres = "32FC1";
 
 std::uint32_t bytes_per_pixel(std::string_view encoding) {
-  return encoding == kMetres ? 4 : 2;
+  if (encoding == kMetres) return 4;
+  return encoding == "mono8" || encoding == "8UC1" ? 1 : 2;
 }
 
-void require_depth_image(const RosImage& image, std::string_view where) {
-  if (!is_depth_encoding(image.encoding)) {
-    fail("{}: has images of encoding '{:.40}', expected depth: 16UC1, mono16 or 32FC1", where,
-         printable(image.encoding));
-  }
+void require_sizes(const RosImage& image, std::string_view where) {
   for (const std::uint32_t side : {image.width, image.height}) {
     if (side < 1 || side > limits::kImageSide) {
       fail("{}: has an image of {}x{} pixels, expected 1 to {} a side", where, image.width, image.height,
@@ -57,7 +54,11 @@ bool is_depth_encoding(std::string_view encoding) {
 }
 
 Image<float> depth_mm_of(const RosImage& image, double unit_mm, std::string_view where) {
-  require_depth_image(image, where);
+  if (!is_depth_encoding(image.encoding)) {
+    fail("{}: has images of encoding '{:.40}', expected depth: 16UC1, mono16 or 32FC1", where,
+         printable(image.encoding));
+  }
+  require_sizes(image, where);
   const bool is_metres = image.encoding == kMetres;
   const std::uint32_t count = bytes_per_pixel(image.encoding);
   Image<float> depth_mm(static_cast<int>(image.width), static_cast<int>(image.height));
@@ -71,6 +72,28 @@ Image<float> depth_mm_of(const RosImage& image, double unit_mm, std::string_view
     }
   }
   return depth_mm;
+}
+
+bool is_infrared_encoding(std::string_view encoding) {
+  return encoding == "mono8" || encoding == "8UC1" || encoding == "mono16" || encoding == "16UC1";
+}
+
+Image<std::uint16_t> infrared_of(const RosImage& image, std::string_view where) {
+  if (!is_infrared_encoding(image.encoding)) {
+    fail("{}: has images of encoding '{:.40}', expected infrared: mono8, 8UC1, mono16 or 16UC1", where,
+         printable(image.encoding));
+  }
+  require_sizes(image, where);
+  const std::uint32_t count = bytes_per_pixel(image.encoding);
+  Image<std::uint16_t> infrared(static_cast<int>(image.width), static_cast<int>(image.height));
+  for (std::uint32_t row = 0; row < image.height; ++row) {
+    const std::uint8_t* from = image.pixels.data() + std::size_t{row} * image.step;
+    for (std::uint16_t& pixel : infrared.row(static_cast<int>(row))) {
+      pixel = static_cast<std::uint16_t>(number_at(from, count, image.is_big_endian));
+      from += count;
+    }
+  }
+  return infrared;
 }
 
 }  // namespace knuckle

@@ -29,4 +29,10 @@ bool is_depth_encoding(std::string_view encoding);
 /// sizes do not fit together or exceed the limits; before memory is taken.
 Image<float> depth_mm_of(const RosImage& image, double unit_mm, std::string_view where);
 
+/// Whether that encoding may hold infrared: mono8, 8UC1, mono16 or 16UC1.
+bool is_infrared_encoding(std::string_view encoding);
+
+/// Infrared, counts as they are. Throws an Error that starts with `where` as `depth_mm_of` does.
+Image<std::uint16_t> infrared_of(const RosImage& image, std::string_view where);
+
 }  // namespace knuckle

@@ -339,6 +339,88 @@ TEST_F(RosbagTest, WithoutADepthTopicItSaysWhatThereIs) {
   EXPECT_THAT(fault(empty), HasSubstr("topics with images: none"));
 }
 
+class RosbagInfrared : public RosbagTest {
+ protected:
+  static constexpr const char* kLeft = "/camera/infra1/image_rect_raw";
+  static constexpr const char* kRight = "/camera/infra2/image_rect_raw";
+
+  /// Eight frames, with both images of a RealSense camera; its left one is 20 + the frame's number.
+  static BagWriter with_infrared(const TestImage& form = {.encoding = "mono8", .bytes = 1},
+                                 double late_s = 0.0) {
+    BagWriter bag = recording("none");
+    for (int i = 0; i < 8; ++i) {
+      TestImage image = form;
+      image.stamp_s = 1000.0 + i / 30.0 + late_s;
+      bag.add(kRight, kImage, image.stamp_s, image_message(image, 80 + i));
+      bag.add(kLeft, kImage, image.stamp_s, image_message(image, 20 + i));
+    }
+    return bag;
+  }
+};
+
+TEST_F(RosbagInfrared, ComesWithTheDepth) {
+  for (const char* const encoding : {"mono8", "8UC1", "mono16", "16UC1"}) {
+    const bool is_small = std::string(encoding).find('8') != std::string::npos;
+    BagWriter bag = with_infrared(
+        {.encoding = encoding, .is_big_endian = !is_small, .padding = 3, .bytes = is_small ? 1U : 2U});
+    const RosbagSource source = open(bag);
+    for (const std::int64_t i : {7, 0, 3}) {
+      const Frame frame = source.read(i);
+      EXPECT_EQ(frame.depth_mm(0, 0), 500 + i);
+      ASSERT_EQ(frame.infrared.width(), 8) << encoding;
+      EXPECT_EQ(frame.infrared(0, 0), 20 + i) << encoding;
+      EXPECT_EQ(frame.infrared(7, 5), 20 + i + 57) << encoding;
+    }
+  }
+}
+
+TEST_F(RosbagInfrared, MayBeChosenOrLeftOut) {
+  BagWriter bag = with_infrared();
+  EXPECT_EQ(open(bag, {.infrared = kRight}).read(2).infrared(0, 0), 82);
+  EXPECT_TRUE(open(bag, {.infrared = "none"}).read(2).infrared.empty());
+  EXPECT_EQ(open_dataset("rosbag:" + path().string() + "?infrared=" + kRight)->read(0).infrared(0, 0), 80);
+  EXPECT_THAT(fault(bag, {.infrared = "/nothing"}), HasSubstr("no images on the topic '/nothing'"));
+  EXPECT_THAT(fault(bag, {.infrared = "/camera/rgb/image_raw"}),
+              HasSubstr("no infrared images of 8x6 pixels"));
+}
+
+TEST_F(RosbagInfrared, IsThatOfTheSameMoment) {
+  BagWriter near = with_infrared({.encoding = "mono8", .bytes = 1}, 0.009);
+  EXPECT_EQ(open(near).read(3).infrared(0, 0), 23);
+  BagWriter before = with_infrared({.encoding = "mono8", .bytes = 1}, -0.009);
+  EXPECT_EQ(open(before).read(3).infrared(0, 0), 23);
+  BagWriter far = with_infrared({.encoding = "mono8", .bytes = 1}, 0.0111);
+  EXPECT_TRUE(open(far).read(3).infrared.empty());
+}
+
+TEST_F(RosbagInfrared, OfAnotherSizeIsLeftAlone) {
+  BagWriter bag = with_infrared({.width = 16, .height = 12, .encoding = "mono8", .bytes = 1});
+  EXPECT_TRUE(open(bag).read(0).infrared.empty());
+  EXPECT_THAT(fault(bag, {.infrared = kLeft}), HasSubstr("no infrared images of 8x6 pixels"));
+}
+
+/// Images of 16 bits in a topic that is named so are no depth.
+TEST_F(RosbagInfrared, IsNotTakenForDepth) {
+  BagWriter bag = recording("none");
+  bag.add("/camera/ir/image_raw", kImage, 1000.0, image_message({.stamp_s = 1000.0}, 30));
+  const RosbagSource source = open(bag);
+  EXPECT_EQ(source.read(0).depth_mm(0, 0), 500);
+  EXPECT_EQ(source.read(0).infrared(0, 0), 30);
+  EXPECT_TRUE(source.read(1).infrared.empty());
+}
+
+TEST_F(RosbagInfrared, DamagedIsAFaultOfItsFrame) {
+  BagWriter short_row = with_infrared();
+  TestImage wide{.width = 8, .encoding = "mono8", .stamp_s = 1010.0, .bytes = 1};
+  std::string message = image_message(wide, 1);
+  message.resize(message.size() - 5);
+  short_row.add(kLeft, kImage, 1010.0, message);
+  short_row.add(kDepth, kImage, 1010.0, image_message({.stamp_s = 1010.0}, 900));
+  const RosbagSource cut = open(short_row);
+  EXPECT_EQ(cut.read(7).infrared(0, 0), 27);
+  EXPECT_THAT(error_of([&] { cut.read(8); }), AllOf(HasSubstr(kLeft), HasSubstr("frame 8")));
+}
+
 TEST_F(RosbagTest, ARectifiedTopicHasTheRectifiedCamera) {
   BagWriter bag;
   bag.add(kInfo, kCameraInfo, 0.0, camera_message({}));
