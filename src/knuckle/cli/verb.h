@@ -15,6 +15,7 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
                    const std::string& example);
 
 // One file a verb; each adds its verb to the program.
+void add_annotate(CLI::App& program);
 void add_cameras(CLI::App& program);
 void add_demo(CLI::App& program);
 void add_estimate(CLI::App& program);

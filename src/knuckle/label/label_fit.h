@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "knuckle/core/frame.h"
+#include "knuckle/hand/hand_surface.h"
+#include "knuckle/label/label_change.h"
+#include "knuckle/label/person_bones.h"
+
+namespace knuckle {
+
+/// How much a hand's labels count when a skeleton is fitted to them.
+struct LabelFitOptions {
+  double pin_mm = 1.0;       ///< deviation of a landmark that a person answers for, (0, inf) [mm]
+  double estimate_mm = 8.0;  ///< of one that was estimated or propagated, (0, inf) [mm]
+  /// Of an estimate on a digit of which a landmark was corrected: where one is wrong, its neighbours are
+  /// likely wrong as well, (0, inf) [mm].
+  double beside_pin_mm = 30.0;
+};
+
+/// What is known of a hand beside its own labels.
+struct LabelFitContext {
+  const PersonBones* bones = nullptr;       ///< of the person; null: those of all people
+  std::optional<SkeletonPose> start = {};   ///< where the fit begins; the last one's answer spares time
+  std::optional<HandAngles> expected = {};  ///< angles that neighbouring frames speak for
+  double expected_rad = 0.2;                ///< how far they may be from it, (0, inf) [rad]
+};
+
+/// A skeleton fitted to a hand's labels.
+struct LabelFit {
+  SkeletonPose pose;               ///< of a right hand: a left one's in the mirror
+  std::vector<ImagePoint> points;  ///< one per landmark of the convention; missing where a skeleton has none
+  double rms_mm = 0.0;             ///< as in SkeletonFit
+  double gap_mm = kNaN;            ///< as in SkeletonFit
+};
+
+/// Fits an adult's skeleton to the labels of a hand and to the depth image: pinned landmarks hold it, others
+/// follow depth, limits and what was estimated (`estimates`, one per landmark: where the estimator saw them,
+/// not where a fit put them). A landmark that is hidden and not pinned says nothing: it comes from the model
+/// alone. Landmarks outside of the 22 neither count nor come. Nothing where fewer than three are known.
+/// `frame` is as the camera took it, `side` the hand's.
+std::optional<LabelFit> fit_labels(const Frame& frame, HandSide side, const Convention& convention,
+                                   const std::vector<LandmarkLabel>& labels,
+                                   const std::vector<ImagePoint>& estimates, const LabelFitContext& context,
+                                   const LabelFitOptions& options = {});
+
+/// The labels with what a fit says: landmarks that a person answers for stay, all others move to the fit's
+/// points and become `state`.
+std::vector<LandmarkLabel> with_fit(std::vector<LandmarkLabel> labels, const LabelFit& fit, LabelState state);
+
+/// How deep the landmark lies below the skin [mm], of a hand whose palm is that long; the thickness of the
+/// flesh around it. 0 outside of the 22.
+double depth_below_skin_mm(Landmark landmark, double palm_mm);
+
+/// Where a landmark lies that a person shows on a pixel: the depth measured there (the median around it), and
+/// what lies between skin and joint. Without a measurement, `depth_mm` is kept. Missing where neither is
+/// known.
+ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark landmark, double palm_mm,
+                           double depth_mm);
+
+}  // namespace knuckle
