@@ -112,7 +112,7 @@ TEST_F(LabelServerTest, TheSecondPageOnAFrameIsToldAndRefused) {
   ASSERT_EQ(listener.open_socket("/api/changes").status, 101);
   EXPECT_EQ(post(verify(0, 1)).status, 200);
   // Estimates of other frames are told, too.
-  json told;
+  json told = json::object();
   for (int i = 0; i < 10 && !(told.value("frame", -1) == 0 && told.value("revision", 0) == 2); ++i)
     told = json::parse(listener.message().bytes);
   EXPECT_EQ(told.at("revision"), 2);
