@@ -16,6 +16,8 @@ import { currentTheme, nextTheme, remember, remembered, restoreTheme } from "./t
 import { WorkTimer } from "./work_timer.ts";
 
 const kReach_px = 14;  // of a landmark around the pointer
+const kCloseness = 2.2;  // of the points: the hand fills the view
+const kRangeMargin_mm = 60;
 const kFine_px = 0.5;
 const kCoarse_px = 4;
 const kDepthStep_mm = 1;
@@ -51,7 +53,8 @@ const cloudCanvas = element<HTMLCanvasElement>("cloud");
 const imageView = new ImageView(imageCanvas, palette);
 imageView.namesHands = false;
 const cloudView = openCloudView();
-const strip = new FilmStrip(element("strip"), palette, (frame) => void openFrame(frame));
+if (cloudView) cloudView.closeness = kCloseness;
+const strip = new FilmStrip(element("strip"), palette, (frame) => void leaveFor(() => frame));
 const notices = new Notices(element("notices"));
 const announcer = new Announcer(element("announcer"));
 const timer = new WorkTimer(performance.now());
@@ -130,8 +133,7 @@ async function openFrame(frame: number): Promise<void> {
     state.header = message.header;
     state.labels = readLabelled(message.said).labels;
     if (!handLabels() && state.labels.length > 0) state.side = state.labels[0]!.side;
-    range.setAutomatic(range.isAutomatic);
-    range.follow(images.depth, message.header.depth_unit_mm);
+    followRange();
     if (isOther) {
       timer.restart(performance.now());
       cloudView?.forget();
@@ -145,12 +147,19 @@ async function openFrame(frame: number): Promise<void> {
   });
 }
 
+/** Once the changes that were made here are answered: they belong to this frame. */
+async function leaveFor(frame: () => number | null): Promise<void> {
+  while (state.isPosting) await new Promise((done) => setTimeout(done, 5));
+  const next = frame();
+  if (next !== null) await openFrame(next);
+}
+
 function step(by: -1 | 1): void {
-  const next = state.info && strip.beside(state.frame, by, state.info.frames, state.standings);
-  if (next !== null) void openFrame(next);
+  void leaveFor(() => state.info && strip.beside(state.frame, by, state.info.frames, state.standings));
 }
 
 async function openProposed(): Promise<void> {
+  while (state.isPosting) await new Promise((done) => setTimeout(done, 5));
   await attempt(async () => {
     const next = await fetchNext(state.frame);
     if (next === null) remark("All frames are verified.");
@@ -191,10 +200,10 @@ function requestOfLandmark(act: LabelRequest["act"], more: Partial<LabelRequest>
   return request(act, { landmark: state.landmark, ...more });
 }
 
-/** One change at a time: each needs the revision that the last one made. */
-const queue: (() => LabelRequest)[] = [];
+/** One change at a time: each is made of what the last one's answer says. */
+const queue: (() => LabelRequest | null)[] = [];
 
-function change(make: () => LabelRequest): void {
+function change(make: () => LabelRequest | null): void {
   queue.push(make);
   if (!state.isPosting) void postAll();
 }
@@ -202,7 +211,9 @@ function change(make: () => LabelRequest): void {
 async function postAll(): Promise<void> {
   state.isPosting = true;
   while (queue.length > 0) {
-    const wanted = { ...queue.shift()!(), seconds: timer.take_s(performance.now()) };
+    const made = queue.shift()!();
+    if (!made) continue;
+    const wanted = { ...made, seconds: timer.take_s(performance.now()) };
     await attempt(async () => {
       const begin = performance.now();
       const answer = await postChange(wanted);
@@ -270,24 +281,31 @@ function place(): Point3 | null {
 
 /** A fine step across the image [px], or along the line of sight [mm]. */
 function nudge(right: number, down: number, away_mm: number): void {
-  const at = place();
-  const camera = state.header?.camera;
-  if (!at || !camera) return;
+  const { landmark, side } = state;
+  change(() => {
+    const at = state.header?.record.hands.find((one) => one.side === side)?.landmarks_mm[landmark];
+    return at ? request("move", { side, landmark, point_mm: nudged(at, right, down, away_mm) }) : null;
+  });
+}
+
+function nudged(at: Point3, right: number, down: number, away_mm: number): Point3 {
+  const camera = state.header!.camera;
   const depth = camera.model === "orthographic" ? 1 : at[2];
   const growth = camera.model === "orthographic" ? 1 : (at[2] + away_mm) / at[2];
-  const to: Point3 = [at[0] * growth + (right * depth) / camera.fx, at[1] * growth + (down * depth) / camera.fy, at[2] + away_mm];
-  const known = hand()!;
-  known.landmarks_mm[state.landmark] = to;  // so that the next step starts here, before the answer
-  change(() => requestOfLandmark("move", { point_mm: to }));
+  return [at[0] * growth + (right * depth) / camera.fx, at[1] * growth + (down * depth) / camera.fy, at[2] + away_mm];
 }
 
 function toggleVisible(): void {
-  const label = handLabels()?.landmarks[state.landmark];
-  if (label) change(() => requestOfLandmark("look", { visible: !label.visible }));
+  const { landmark } = state;
+  change(() => {
+    const label = handLabels()?.landmarks[landmark];
+    return label ? request("look", { landmark, visible: !label.visible }) : null;
+  });
 }
 
 function free(): void {
-  change(() => requestOfLandmark("free"));
+  const wanted = requestOfLandmark("free");
+  change(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
 }
 
 // ---- Drawing ----
@@ -475,8 +493,11 @@ function zoomImage(factor: number, x: number, y: number): void {
   state.imageChanged = true;
 }
 
-/** The landmark nearest to the pointer, of any hand; null where none is near. */
+/** The landmark that is chosen, where it is near the pointer; else the nearest one, of any hand; null where none is near. */
 function landmarkAt(x: number, y: number, canvasAt: (one: Hand, name: string) => Point2 | null): { side: Side; name: string } | null {
+  const chosen = hand();
+  const ofChosen = chosen && canvasAt(chosen, state.landmark);
+  if (ofChosen && Math.hypot(ofChosen[0] - x, ofChosen[1] - y) <= kReach_px) return { side: state.side, name: state.landmark };
   let nearest: { side: Side; name: string } | null = null;
   let least = kReach_px;
   for (const one of state.header?.record.hands ?? []) {
@@ -609,12 +630,22 @@ function setRange(): void {
   range.setAutomatic(isAutomatic);
   const isPossible = isAutomatic || range.fix(near.valueAsNumber, far.valueAsNumber);
   for (const field of [near, far]) field.setAttribute("aria-invalid", String(!isPossible));
-  if (state.header) range.follow(images.depth, state.header.depth_unit_mm);
-  if (isAutomatic) {
-    near.value = String(Math.round(range.near_mm));
-    far.value = String(Math.round(range.far_mm));
-  }
+  followRange();
   state.imageChanged = state.cloudChanged = true;
+}
+
+/** Colours tell the hand's own depths apart; without a hand, those of the image. */
+function followRange(): void {
+  if (!state.header || !range.isAutomatic) return;
+  const depths = Object.values(hand()?.landmarks_mm ?? {}).filter((point) => point !== null).map((point) => point[2]);
+  if (depths.length > 2) {
+    range.followPoints(depths, kRangeMargin_mm);
+  } else {
+    range.setAutomatic(true);
+    range.follow(images.depth, state.header.depth_unit_mm);
+  }
+  element<HTMLInputElement>("range-near").value = String(Math.round(range.near_mm));
+  element<HTMLInputElement>("range-far").value = String(Math.round(range.far_mm));
 }
 
 function setOrder(order: StripOrder): void {
@@ -776,6 +807,7 @@ async function begin(): Promise<void> {
 Object.assign(globalThis, {
   knuckle: {
     frame: () => state.frame,
+    open: (frame: number) => void openFrame(frame),
     header: () => state.header,
     labels: () => state.labels,
     isQuiet: () => !state.isPosting && !state.isPreviewing && !state.imageChanged && state.header !== null,
@@ -785,6 +817,7 @@ Object.assign(globalThis, {
     answered_ms: () => state.answered_ms,
     fit_ms: () => state.fit_ms,
     standings: () => state.standings,
+    depth_mm: (column: number, row: number) => (images.depth[row * images.width + column] ?? 0) * (state.header?.depth_unit_mm ?? 0),
   },
 });
 

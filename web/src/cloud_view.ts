@@ -40,6 +40,7 @@ export class CloudView {
   showsCloud = true;
   showsSkeleton = true;
   showsSurface = true;
+  closeness = 1;  // how many times nearer than the sensor one looks from
   isCut = false;  // points beyond both ends of the colours are left out
 
   #canvas: HTMLCanvasElement;
@@ -117,7 +118,7 @@ export class CloudView {
   look(from: Viewpoint, target?: Point3): void {
     if (target) this.#controls.target.set(target[0], -target[1], -target[2]);
     const at = this.#controls.target;
-    const distance = Math.min(Math.max(-at.z, 200), 3000);
+    const distance = Math.min(Math.max(-at.z, 200), 3000) / this.closeness;
     const [turn, rise] = kViewpoints[from].map((angle) => (angle * Math.PI) / 180) as [number, number];
     this.#camera.position.set(Math.sin(turn) * Math.cos(rise), Math.sin(rise), Math.cos(turn) * Math.cos(rise))
       .multiplyScalar(distance).add(at);

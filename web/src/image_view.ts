@@ -61,7 +61,7 @@ export class ImageView {
     const colours = handColours(header.record.hands);
     const shift = header.camera.pixel_origin === "centre" ? 0.5 : 0;  // the canvas counts from the pixel's corner
     context.setTransform(place.scale, 0, 0, place.scale, place.left + shift * place.scale, place.top + shift * place.scale);
-    const unit = Math.max(this.#image.width * place.scale, 480) / 640 / place.scale;  // strokes keep their width on screen
+    const unit = Math.max((this.#image.width * place.scale) / this.zoom, 480) / 640 / place.scale;  // strokes keep their width on screen
     header.record.hands.forEach((hand, i) => this.#drawHand(hand, bones, colours[i]!, unit));
     context.globalAlpha = 1;
   }

@@ -24,6 +24,7 @@ void add_experiment(CLI::App& program);
 void add_export(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
+void add_labels(CLI::App& program);
 void add_landmarks(CLI::App& program);
 void add_live(CLI::App& program);
 void add_record(CLI::App& program);

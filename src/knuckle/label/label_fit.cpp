@@ -131,19 +131,43 @@ double depth_below_skin_mm(Landmark landmark, double palm_mm) {
   return count == 0 ? 0.0 : palm_mm * radius / count;
 }
 
-ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark landmark, double palm_mm,
-                           double depth_mm) {
-  constexpr int kReach = 1;  // of the median [px]
+SkinDepths skin_depths(const std::vector<ImagePoint>& landmarks) {
+  constexpr double kMarginMm = 45.0;  // fingers that were estimated wrong may be that far off
+  constexpr int kFewest = 3;
+  SkinDepths depths{.near_mm = 1e9, .far_mm = 0.0};
+  int known = 0;
+  for (const ImagePoint& point : landmarks) {
+    if (point.is_missing()) continue;
+    depths.near_mm = std::min(depths.near_mm, point.depth_mm - kMarginMm);
+    depths.far_mm = std::max(depths.far_mm, point.depth_mm + kMarginMm);
+    ++known;
+  }
+  return known < kFewest ? SkinDepths() : depths;
+}
+
+std::optional<double> skin_depth_at(const Frame& frame, double u, double v, const SkinDepths& depths) {
+  constexpr int kFarthestPx = 6;
   const int column = static_cast<int>(std::lround(u));
   const int row = static_cast<int>(std::lround(v));
-  std::vector<double> depths;
-  for (int y = row - kReach; y <= row + kReach; ++y) {
-    for (int x = column - kReach; x <= column + kReach; ++x) {
-      if (x < 0 || y < 0 || x >= frame.depth_mm.width() || y >= frame.depth_mm.height()) continue;
-      if (is_measured(frame.depth_mm(x, y))) depths.push_back(static_cast<double>(frame.depth_mm(x, y)));
+  for (int reach = 1; reach <= kFarthestPx; ++reach) {
+    std::vector<double> found;
+    for (int y = std::max(0, row - reach); y <= std::min(frame.depth_mm.height() - 1, row + reach); ++y) {
+      for (int x = std::max(0, column - reach); x <= std::min(frame.depth_mm.width() - 1, column + reach);
+           ++x) {
+        const auto depth = static_cast<double>(frame.depth_mm(x, y));
+        if (is_measured(frame.depth_mm(x, y)) && depth >= depths.near_mm && depth <= depths.far_mm)
+          found.push_back(depth);
+      }
     }
+    if (!found.empty()) return median(std::move(found));
   }
-  if (!depths.empty()) return {u, v, median(std::move(depths)) + depth_below_skin_mm(landmark, palm_mm)};
+  return std::nullopt;
+}
+
+ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark landmark, double palm_mm,
+                           double depth_mm, const SkinDepths& depths) {
+  const auto skin = skin_depth_at(frame, u, v, depths);
+  if (skin) return {u, v, *skin + depth_below_skin_mm(landmark, palm_mm)};
   return depth_mm > 0.0 ? ImagePoint{u, v, depth_mm} : ImagePoint{};
 }
 

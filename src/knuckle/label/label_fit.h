@@ -54,10 +54,25 @@ std::vector<LandmarkLabel> with_fit(std::vector<LandmarkLabel> labels, const Lab
 /// flesh around it. 0 outside of the 22.
 double depth_below_skin_mm(Landmark landmark, double palm_mm);
 
-/// Where a landmark lies that a person shows on a pixel: the depth measured there (the median around it), and
+/// Where the skin of a hand may be [mm].
+struct SkinDepths {
+  double near_mm = 0.0;
+  double far_mm = 1e9;
+};
+
+/// The depths at which a hand's skin may be seen whose landmarks lie there; any where fewer than three are
+/// known.
+SkinDepths skin_depths(const std::vector<ImagePoint>& landmarks);
+
+/// The depth of the skin that a person shows on a pixel [mm]: of what was measured around it, the nearest to
+/// the pixel that may be skin, so that one who points beside a finger does not get the wall behind it.
+/// Nothing where none was within 6 px.
+std::optional<double> skin_depth_at(const Frame& frame, double u, double v, const SkinDepths& depths);
+
+/// Where a landmark lies that a person shows on a pixel: as deep as the skin there (`skin_depth_at`), and
 /// what lies between skin and joint. Without a measurement, `depth_mm` is kept. Missing where neither is
 /// known.
 ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark landmark, double palm_mm,
-                           double depth_mm);
+                           double depth_mm, const SkinDepths& depths = {});
 
 }  // namespace knuckle

@@ -133,6 +133,24 @@ TEST(LabelFit, ALandmarkOnAPixelLiesBelowItsSkin) {
   }
 }
 
+TEST(LabelFit, WhoPointsBesideAFingerDoesNotGetTheWall) {
+  const LandmarkPoints truth = bent_hand_points(0.0);
+  const Frame frame = flesh_frame(truth);
+  const std::vector<ImagePoint> joints = pose_of_points(truth).joints;
+  const ImagePoint tip = joints[at(Landmark::middle_tip)];
+  ImagePoint beside = tip;
+  while (frame.depth_mm(static_cast<int>(std::lround(beside.u)), static_cast<int>(std::lround(beside.v))) <
+         800.0f)
+    beside.v -= 0.5;
+  const double palm = (truth[at(Landmark::middle_mcp)] - truth[at(Landmark::wrist)]).norm();
+  const ImagePoint placed =
+      placed_on_pixel(frame, beside.u, beside.v, Landmark::middle_tip, palm, kNaN, skin_depths(joints));
+  EXPECT_NEAR(placed.depth_mm, tip.depth_mm, 10.0);
+  EXPECT_EQ(placed.v, beside.v);
+  EXPECT_FALSE(skin_depth_at(frame, 5, 5, skin_depths(joints))) << "there is the wall alone";
+  EXPECT_NEAR(*skin_depth_at(frame, 5, 5, {}), 900.0, 1e-3);
+}
+
 TEST(LabelFit, WithoutAMeasurementTheDepthIsKeptOrNothingIsKnown) {
   Frame frame = flesh_frame(bent_hand_points(0.0));
   frame.depth_mm = Image<float>(kLabelCamera.width, kLabelCamera.height);

@@ -34,8 +34,13 @@ bool is_labelled(const LabelChange& change) {
 /// Whether the skin over a point is seen: nothing that was measured there lies well before it.
 bool is_seen(const Frame& frame, const ImagePoint& at, Landmark landmark) {
   constexpr double kSlackMm = 15.0;
-  const ImagePoint skin = placed_on_pixel(frame, at.u, at.v, landmark, kUsualPalmMm, at.depth_mm);
-  return skin.is_missing() || skin.depth_mm > at.depth_mm - kSlackMm;
+  const int column = static_cast<int>(std::lround(at.u));
+  const int row = static_cast<int>(std::lround(at.v));
+  const bool is_inside =
+      column >= 0 && row >= 0 && column < frame.depth_mm.width() && row < frame.depth_mm.height();
+  if (!is_inside || !is_measured(frame.depth_mm(column, row))) return is_inside;
+  const double skin = static_cast<double>(frame.depth_mm(column, row));
+  return skin + depth_below_skin_mm(landmark, kUsualPalmMm) > at.depth_mm - kSlackMm;
 }
 
 std::vector<LandmarkLabel> labels_of(const HandPose& pose, const Frame& frame) {
@@ -342,7 +347,10 @@ std::string LabelSession::changed_labels(const LabelRequest& request, const Fram
   const double palm_mm = kept == fits_.end() ? kUsualPalmMm : palm_of(kept->second.fit);
   ImagePoint at;
   if (request.kind == Kind::place) {
-    at = placed_on_pixel(frame, request.u, request.v, landmark, palm_mm, label.at.depth_mm);
+    std::vector<ImagePoint> others(labels.size());
+    std::ranges::transform(labels, others.begin(), &LandmarkLabel::at);
+    at = placed_on_pixel(frame, request.u, request.v, landmark, palm_mm, label.at.depth_mm,
+                         skin_depths(others));
     if (at.is_missing()) return "No depth was measured there: place it in the points, or beside.";
   } else {
     at = Projection(frame.camera).to_image(request.point_mm);
