@@ -101,7 +101,7 @@ export async function correctFarthest(page, truth, normal, { deviation_mm = 2, l
   const seen = await page.evaluate((joints) => joints.map((joint) => {
     if (!joint) return false;
     const depth = globalThis.knuckle.depth_mm(Math.round(joint[0]), Math.round(joint[1]));
-    return depth > 0 && joint[2] - depth < 25;  // else something lies before it: nobody sees it
+    return depth > 0 && joint[2] - depth < 45;  // else something lies before it: nobody sees it
   }), truth);
   let farthest = null;
   let most = least_mm;

@@ -14,6 +14,7 @@ namespace knuckle {
 /// How much a hand's labels count when a skeleton is fitted to them.
 struct LabelFitOptions {
   double pin_mm = 1.0;       ///< deviation of a landmark that a person answers for, (0, inf) [mm]
+  double shown_mm = 6.0;     ///< of one that was just shown on a pixel: its depth is not settled yet
   double estimate_mm = 8.0;  ///< of one that was estimated or propagated, (0, inf) [mm]
   /// Of an estimate on a digit of which a landmark was corrected: where one is wrong, its neighbours are
   /// likely wrong as well, (0, inf) [mm].
@@ -25,6 +26,7 @@ struct LabelFitContext {
   const PersonBones* bones = nullptr;       ///< of the person; null: those of all people
   std::optional<SkeletonPose> start = {};   ///< where the fit begins; the last one's answer spares time
   std::optional<HandAngles> expected = {};  ///< angles that neighbouring frames speak for
+  std::optional<std::size_t> shown = {};    ///< the landmark that was just shown on a pixel
   double expected_rad = 0.2;                ///< how far they may be from it, (0, inf) [rad]
 };
 
@@ -50,8 +52,8 @@ std::optional<LabelFit> fit_labels(const Frame& frame, HandSide side, const Conv
 /// points and become `state`.
 std::vector<LandmarkLabel> with_fit(std::vector<LandmarkLabel> labels, const LabelFit& fit, LabelState state);
 
-/// How deep the landmark lies below the skin [mm], of a hand whose palm is that long; the thickness of the
-/// flesh around it. 0 outside of the 22.
+/// How deep the landmark lies below the skin that is seen before it [mm], of a hand whose palm is that long:
+/// medians of the generator's people. 0 outside of the 22.
 double depth_below_skin_mm(Landmark landmark, double palm_mm);
 
 /// Where the skin of a hand may be [mm].
@@ -74,5 +76,10 @@ std::optional<double> skin_depth_at(const Frame& frame, double u, double v, cons
 /// known.
 ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark landmark, double palm_mm,
                            double depth_mm, const SkinDepths& depths = {});
+
+/// The depth of a landmark that was shown on a pixel [mm]: between what was measured there and where the hand
+/// model has it, which knows the rest of the hand. The farther both are apart, the less the measurement
+/// counts (Geman and McClure 1985): another finger may lie before the joint.
+double settled_depth_mm(double measured_mm, double fitted_mm);
 
 }  // namespace knuckle

@@ -128,7 +128,7 @@ TEST(LabelFit, ALandmarkOnAPixelLiesBelowItsSkin) {
   for (const Landmark landmark : {Landmark::index_pip, Landmark::middle_dip, Landmark::ring_mcp}) {
     const ImagePoint seen = pose_of_points(truth).joints[at(landmark)];
     const ImagePoint placed = placed_on_pixel(frame, seen.u, seen.v, landmark, palm, 0.0);
-    EXPECT_NEAR(placed.depth_mm, seen.depth_mm, 2.5) << name_of(landmark);
+    EXPECT_NEAR(placed.depth_mm, seen.depth_mm, 4.0) << name_of(landmark);
     EXPECT_EQ(placed.u, seen.u);
   }
 }
@@ -145,10 +145,17 @@ TEST(LabelFit, WhoPointsBesideAFingerDoesNotGetTheWall) {
   const double palm = (truth[at(Landmark::middle_mcp)] - truth[at(Landmark::wrist)]).norm();
   const ImagePoint placed =
       placed_on_pixel(frame, beside.u, beside.v, Landmark::middle_tip, palm, kNaN, skin_depths(joints));
-  EXPECT_NEAR(placed.depth_mm, tip.depth_mm, 10.0);
+  EXPECT_NEAR(placed.depth_mm, tip.depth_mm, 20.0);
   EXPECT_EQ(placed.v, beside.v);
   EXPECT_FALSE(skin_depth_at(frame, 5, 5, skin_depths(joints))) << "there is the wall alone";
   EXPECT_NEAR(*skin_depth_at(frame, 5, 5, {}), 900.0, 1e-3);
+}
+
+TEST(LabelFit, TheModelSettlesTheDepthTheMoreTheFartherTheMeasurementIs) {
+  EXPECT_EQ(settled_depth_mm(500.0, 500.0), 500.0);
+  EXPECT_NEAR(settled_depth_mm(500.0, 502.0), 501.0, 0.1);
+  EXPECT_NEAR(settled_depth_mm(400.0, 500.0), 500.0, 0.3);
+  EXPECT_GT(settled_depth_mm(500.0, 490.0), 490.0);
 }
 
 TEST(LabelFit, WithoutAMeasurementTheDepthIsKeptOrNothingIsKnown) {

@@ -297,6 +297,8 @@ LabelAnswer LabelSession::change_hand(const LabelRequest& request,
     return answer;
   }
   const auto begin = std::chrono::steady_clock::now();
+  if (request.kind == LabelRequest::Kind::place && request.uses_model)
+    settle_depth(request, *frame, change.landmarks);
   const auto fit = fitted(request.hand, change.landmarks, *frame, context_of(request.hand));
   answer.fit_ms = milliseconds_since(begin);
   const bool moves_others = request.uses_model && change.act == LabelAct::correct;
@@ -360,6 +362,17 @@ std::string LabelSession::changed_labels(const LabelRequest& request, const Fram
   label.state = LabelState::corrected;
   if (request.kind == Kind::place) label.is_visible = true;
   return {};
+}
+
+/// A landmark that was shown on a pixel stays on it; how deep it lies the hand model says as well.
+void LabelSession::settle_depth(const LabelRequest& request, const Frame& frame,
+                                std::vector<LandmarkLabel>& labels) const {
+  LabelFitContext context = context_of(request.hand);
+  context.shown = request.landmark;
+  const auto fit = fitted(request.hand, labels, frame, context);
+  if (!fit || fit->points[request.landmark].is_missing()) return;
+  double& depth_mm = labels[request.landmark].at.depth_mm;
+  depth_mm = settled_depth_mm(depth_mm, fit->points[request.landmark].depth_mm);
 }
 
 LabelAnswer LabelSession::step_back(LabelAct act) {

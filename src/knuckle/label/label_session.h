@@ -127,6 +127,8 @@ class LabelSession {
   std::optional<LabelFit> fitted(HandKey hand, const std::vector<LandmarkLabel>& labels, const Frame& frame,
                                  const LabelFitContext& context) const;
   LabelAnswer change_hand(const LabelRequest& request, const std::shared_ptr<const Frame>& frame);
+  void settle_depth(const LabelRequest& request, const Frame& frame,
+                    std::vector<LandmarkLabel>& labels) const;
   LabelAnswer step_back(LabelAct act);
   std::string changed_labels(const LabelRequest& request, const Frame& frame,
                              std::vector<LandmarkLabel>& labels) const;
