@@ -80,6 +80,8 @@ has_options() {  # SCRIPT WORD...: each --option among the words is one of the s
 FIXTURES = {
     "my_set": "knuckle render --manifest manifests/demo.toml --count 4 --format folder --out my_set",
     "my_recording": "knuckle render --manifest manifests/demo.toml --count 4 --format folder --out my_recording",
+    "demo_labels": "for author in ann bea; do knuckle labels import --source synthetic:manifests/demo.toml --labels demo_labels "
+                   "--author $author; done; knuckle labels import --source synthetic:manifests/demo.toml --labels demo_labels",
     "depth.f32": "knuckle render --manifest manifests/demo.toml --count 2 --out d.h5 && python3 -c \"import h5py; "
                  "h5py.File('d.h5')['depth'][:].astype('float32').tofile('depth.f32')\"",
     "$method.toml": "printf '[segmentation]\\nmethod = \"threshold\"\\n' >threshold.toml; "

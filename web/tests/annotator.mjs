@@ -93,22 +93,22 @@ export function errorOf({ camera, hands }, truth) {
   return sum / count;
 }
 
-/** Corrects the landmark that lies farthest from where the true one appears, with the pointer. Returns its name; null where none that is seen is off. */
+/** Corrects the landmark that lies farthest from where the true one appears, in the image and in the points, with the pointer. Returns its name; null where none that is seen is off. */
 export async function correctFarthest(page, truth, normal, { deviation_mm = 2, least_mm = 4 } = {}) {
   const { camera, hands, labels } = await shown(page);
   if (hands.length === 0) return null;
   const names = Object.keys(hands[0].landmarks_px);
-  const seen = await page.evaluate((joints) => joints.map((joint) => {
+  const seen = await page.evaluate((joints) => joints.map((joint, i) => {
     if (!joint) return false;
     const depth = globalThis.knuckle.depth_mm(Math.round(joint[0]), Math.round(joint[1]));
-    return depth > 0 && joint[2] - depth < 45;  // else something lies before it: nobody sees it
+    return depth > 0 && joint[2] - depth < (i < 3 ? 45 : 20);  // else something lies before it: nobody sees it
   }), truth);
   let farthest = null;
   let most = least_mm;
   truth.forEach((joint, i) => {
     const at = hands[0].landmarks_px[names[i]];
     if (!joint || !seen[i] || !at || labels[0].landmarks[names[i]]?.state === "corrected") return;
-    const away = (Math.hypot(at[0] - joint[0], at[1] - joint[1]) * joint[2]) / camera.fx;
+    const away = distance(hands[0].landmarks_mm[names[i]], toSpace(joint, camera));
     if (away > most) [farthest, most] = [i, away];
   });
   if (farthest === null) return null;

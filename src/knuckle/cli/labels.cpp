@@ -241,6 +241,7 @@ void add_compare_verb(CLI::App& labels) {
 
 void add_labels(CLI::App& program) {
   CLI::App& labels = *program.add_subcommand("labels", "Export, import and compare labels");
+  labels.footer("Example:\n  knuckle labels compare --labels demo_labels --authors ann bea");
   labels.require_subcommand(1);
   add_export_verb(labels);
   add_import_verb(labels);

@@ -79,7 +79,7 @@ bool is_label_head(std::string_view line);
 /// have, landmarks that the convention does not have.
 LabelHead parse_label_head(std::string_view line, std::string_view where = "label head");
 LabelChange parse_label_change(std::string_view line, const LabelHead& head,
-                               std::string_view where = "label change");
+                               std::string_view where = "label change");  ///< See parse_label_head.
 
 /// Whether `name` may stand in a file's name for an author: 1 to 64 letters, digits, '_', '-' and '.', not a
 /// '.' first.

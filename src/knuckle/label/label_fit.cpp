@@ -46,7 +46,7 @@ std::optional<double> deviation_mm(const LandmarkLabel& label, bool is_beside_pi
 
 LandmarkTargets targets_of(const Projection& projection, const Convention& convention,
                            const std::vector<LandmarkLabel>& labels, const std::vector<ImagePoint>& estimates,
-                           const LabelFitOptions& options, std::optional<std::size_t> shown) {
+                           const LabelFitOptions& options, std::optional<std::size_t> left_out) {
   const double noise_mm = SkeletonFitOptions().noise_mm;
   const std::array<bool, 5> corrected = corrected_digits(convention, labels);
   LandmarkTargets targets;
@@ -56,8 +56,8 @@ LandmarkTargets targets_of(const Projection& projection, const Convention& conve
     const ImagePoint& at = labels[i].is_pinned() || i >= estimates.size() ? labels[i].at : estimates[i];
     const int digit = digit_of(convention.landmarks[i]);
     const bool is_beside_pin = digit >= 0 && corrected[static_cast<std::size_t>(digit)];
-    const auto deviation = shown == i ? options.shown_mm : deviation_mm(labels[i], is_beside_pin, options);
-    if (at.is_missing() || !(at.depth_mm > 0.0) || !deviation) continue;
+    const auto deviation = deviation_mm(labels[i], is_beside_pin, options);
+    if (at.is_missing() || !(at.depth_mm > 0.0) || !deviation || left_out == i) continue;
     targets[landmark] = {projection.to_camera(at), std::pow(noise_mm / *deviation, 2.0)};
   }
   return targets;
@@ -89,7 +89,7 @@ std::optional<LabelFit> fit_labels(const Frame& frame, HandSide side, const Conv
                                    const std::vector<ImagePoint>& estimates, const LabelFitContext& context,
                                    const LabelFitOptions& options) {
   const Projection projection(frame.camera);
-  LandmarkTargets targets = targets_of(projection, convention, labels, estimates, options, context.shown);
+  LandmarkTargets targets = targets_of(projection, convention, labels, estimates, options, context.left_out);
   HandSurface surface = surface_near(frame, targets);
   if (side == HandSide::left) put_in_mirror(targets, surface);
   SkeletonFitOptions of_skeleton;
@@ -173,9 +173,9 @@ ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark land
 }
 
 double settled_depth_mm(double measured_mm, double fitted_mm) {
-  constexpr double kFarMm = 20.0;
+  constexpr double kFarMm = 30.0;
   const double apart = (fitted_mm - measured_mm) / kFarMm;
-  const double trust = std::pow(1.0 + apart * apart, -2.0);
+  const double trust = 2.0 * std::pow(1.0 + apart * apart, -2.0);
   return (trust * measured_mm + fitted_mm) / (trust + 1.0);
 }
 

@@ -14,7 +14,6 @@ namespace knuckle {
 /// How much a hand's labels count when a skeleton is fitted to them.
 struct LabelFitOptions {
   double pin_mm = 1.0;       ///< deviation of a landmark that a person answers for, (0, inf) [mm]
-  double shown_mm = 6.0;     ///< of one that was just shown on a pixel: its depth is not settled yet
   double estimate_mm = 8.0;  ///< of one that was estimated or propagated, (0, inf) [mm]
   /// Of an estimate on a digit of which a landmark was corrected: where one is wrong, its neighbours are
   /// likely wrong as well, (0, inf) [mm].
@@ -23,11 +22,11 @@ struct LabelFitOptions {
 
 /// What is known of a hand beside its own labels.
 struct LabelFitContext {
-  const PersonBones* bones = nullptr;       ///< of the person; null: those of all people
-  std::optional<SkeletonPose> start = {};   ///< where the fit begins; the last one's answer spares time
-  std::optional<HandAngles> expected = {};  ///< angles that neighbouring frames speak for
-  std::optional<std::size_t> shown = {};    ///< the landmark that was just shown on a pixel
-  double expected_rad = 0.2;                ///< how far they may be from it, (0, inf) [rad]
+  const PersonBones* bones = nullptr;        ///< of the person; null: those of all people
+  std::optional<SkeletonPose> start = {};    ///< where the fit begins; the last one's answer spares time
+  std::optional<HandAngles> expected = {};   ///< angles that neighbouring frames speak for
+  std::optional<std::size_t> left_out = {};  ///< a landmark whose label does not count
+  double expected_rad = 0.2;                 ///< how far they may be from it, (0, inf) [rad]
 };
 
 /// A skeleton fitted to a hand's labels.

@@ -128,7 +128,7 @@ TEST(LabelFit, ALandmarkOnAPixelLiesBelowItsSkin) {
   for (const Landmark landmark : {Landmark::index_pip, Landmark::middle_dip, Landmark::ring_mcp}) {
     const ImagePoint seen = pose_of_points(truth).joints[at(landmark)];
     const ImagePoint placed = placed_on_pixel(frame, seen.u, seen.v, landmark, palm, 0.0);
-    EXPECT_NEAR(placed.depth_mm, seen.depth_mm, 4.0) << name_of(landmark);
+    EXPECT_NEAR(placed.depth_mm, seen.depth_mm, 7.0) << name_of(landmark);
     EXPECT_EQ(placed.u, seen.u);
   }
 }
@@ -153,9 +153,17 @@ TEST(LabelFit, WhoPointsBesideAFingerDoesNotGetTheWall) {
 
 TEST(LabelFit, TheModelSettlesTheDepthTheMoreTheFartherTheMeasurementIs) {
   EXPECT_EQ(settled_depth_mm(500.0, 500.0), 500.0);
-  EXPECT_NEAR(settled_depth_mm(500.0, 502.0), 501.0, 0.1);
-  EXPECT_NEAR(settled_depth_mm(400.0, 500.0), 500.0, 0.3);
-  EXPECT_GT(settled_depth_mm(500.0, 490.0), 490.0);
+  double last_share = 1.0;
+  for (const double apart : {1.0, 10.0, 30.0, 60.0, 120.0}) {
+    const double share =
+        1.0 - (settled_depth_mm(500.0, 500.0 + apart) - 500.0) / apart;  // of the measurement
+    EXPECT_LT(share, last_share);
+    EXPECT_GT(share, 0.0);
+    EXPECT_NEAR(settled_depth_mm(500.0, 500.0 - apart), 1000.0 - settled_depth_mm(500.0, 500.0 + apart),
+                1e-9);
+    last_share = share;
+  }
+  EXPECT_LT(last_share, 0.05);
 }
 
 TEST(LabelFit, WithoutAMeasurementTheDepthIsKeptOrNothingIsKnown) {

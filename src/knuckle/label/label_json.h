@@ -23,10 +23,10 @@ namespace knuckle::label_json {
 
 using Json = nlohmann::ordered_json;
 
-inline constexpr std::size_t kMostNameBytes = 256;
+inline constexpr std::size_t kMostNameBytes = 256;  ///< of names of any kind
 /// What lies outside of the image may be labelled, within reason.
 inline constexpr double kFarthestPx = 1e5;
-inline constexpr double kFarthestMm = 1e6;
+inline constexpr double kFarthestMm = 1e6;  ///< from the camera
 
 /// A value, and where it stands, for messages.
 struct Value {

@@ -360,19 +360,20 @@ std::string LabelSession::changed_labels(const LabelRequest& request, const Fram
   }
   label.at = at;
   label.state = LabelState::corrected;
-  if (request.kind == Kind::place) label.is_visible = true;
   return {};
 }
 
-/// A landmark that was shown on a pixel stays on it; how deep it lies the hand model says as well.
+/// A landmark that was shown on a pixel stays on it; how deep it lies the hand model says as well, fitted to
+/// all the others. Of a hidden one it alone does: the skin that is seen there is not its own.
 void LabelSession::settle_depth(const LabelRequest& request, const Frame& frame,
                                 std::vector<LandmarkLabel>& labels) const {
   LabelFitContext context = context_of(request.hand);
-  context.shown = request.landmark;
+  context.left_out = request.landmark;
   const auto fit = fitted(request.hand, labels, frame, context);
   if (!fit || fit->points[request.landmark].is_missing()) return;
-  double& depth_mm = labels[request.landmark].at.depth_mm;
-  depth_mm = settled_depth_mm(depth_mm, fit->points[request.landmark].depth_mm);
+  LandmarkLabel& label = labels[request.landmark];
+  const double fitted_mm = fit->points[request.landmark].depth_mm;
+  label.at.depth_mm = label.is_visible ? settled_depth_mm(label.at.depth_mm, fitted_mm) : fitted_mm;
 }
 
 LabelAnswer LabelSession::step_back(LabelAct act) {

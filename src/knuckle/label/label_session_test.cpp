@@ -97,6 +97,24 @@ TEST_F(LabelSessionTest, WithoutTheModelRawPointsRemainRaw) {
     EXPECT_EQ(after.landmarks[i] == before.landmarks[i], i != move.landmark) << i;
 }
 
+TEST_F(LabelSessionTest, AHiddenLandmarkThatIsShownOnAPixelTakesItsDepthFromTheModel) {
+  LabelSession session(source_, journal_, options());
+  session.frame(2);
+  LabelRequest look = request(Kind::look, 2, 1, Landmark::thumb_tip);
+  look.is_visible = false;
+  session.apply(look);
+  // Shown on the middle of the palm, which lies nearer or deeper than the thumb's tip.
+  const auto truth = pose_of_points(source_.truth(2)).joints;
+  LabelRequest place = request(Kind::place, 2, 2, Landmark::thumb_tip);
+  place.u = truth[static_cast<std::size_t>(Landmark::palm)].u;
+  place.v = truth[static_cast<std::size_t>(Landmark::palm)].v;
+  const LabelledHand hand = session.apply(place).labelled.hands[0];
+  const LandmarkLabel& label = hand.landmarks[place.landmark];
+  EXPECT_FALSE(label.is_visible);
+  EXPECT_NEAR(label.at.u, place.u, 1e-3);
+  EXPECT_NEAR(label.at.depth_mm, truth[place.landmark].depth_mm, 12.0);
+}
+
 TEST_F(LabelSessionTest, APreviewKeepsNothing) {
   LabelSession session(source_, journal_, options());
   session.frame(2);
