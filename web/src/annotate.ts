@@ -345,6 +345,7 @@ function drawMarks(): void {
         context.strokeStyle = colour;
         context.beginPath();
         if (label.state === "corrected" || label.state === "verified") context.rect(x - 7, y - 7, 14, 14);
+        context.moveTo(x + 11, y);
         if (isChosen) context.arc(x, y, 11, 0, 2 * Math.PI);
         if (!label.visible) {
           context.moveTo(x - 5, y - 5);
@@ -477,7 +478,7 @@ function aimImage(): void {
     const [us, vs] = [points.map((point) => point[0]), points.map((point) => point[1])];
     const [left, right, top, bottom] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
     imageView.centre = [(left + right) / 2, (top + bottom) / 2];
-    imageView.zoom = Math.min(kMostZoom, Math.max(1, Math.min(state.header.width / (1.6 * (right - left + 8)), state.header.height / (1.6 * (bottom - top + 8)))));
+    imageView.zoom = Math.min(kMostZoom, Math.max(1, Math.min(state.header.width / (1.35 * (right - left + 8)), state.header.height / (1.35 * (bottom - top + 8)))));
   }
   state.imageChanged = true;
 }

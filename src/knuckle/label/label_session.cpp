@@ -18,7 +18,7 @@ namespace knuckle {
 namespace {
 
 constexpr std::size_t kKeptFrames = 12;
-constexpr std::size_t kMostToLearnFrom = 60;  // verified hands of a sequence: bones are known by then
+constexpr std::size_t kMostToLearnFrom = 15;  // verified hands of a sequence: bones are known by then
 constexpr double kUsualPalmMm = 95.0;
 constexpr double kUnknownDoubtMm = 20.0;  // of labels that nothing was fitted to
 
@@ -31,24 +31,12 @@ bool is_labelled(const LabelChange& change) {
                              [](const LandmarkLabel& label) { return !label.at.is_missing(); });
 }
 
-/// Whether the skin over a point is seen: nothing that was measured there lies well before it.
-bool is_seen(const Frame& frame, const ImagePoint& at, Landmark landmark) {
-  constexpr double kSlackMm = 15.0;
-  const int column = static_cast<int>(std::lround(at.u));
-  const int row = static_cast<int>(std::lround(at.v));
-  const bool is_inside =
-      column >= 0 && row >= 0 && column < frame.depth_mm.width() && row < frame.depth_mm.height();
-  if (!is_inside || !is_measured(frame.depth_mm(column, row))) return is_inside;
-  const double skin = static_cast<double>(frame.depth_mm(column, row));
-  return skin + depth_below_skin_mm(landmark, kUsualPalmMm) > at.depth_mm - kSlackMm;
-}
-
-std::vector<LandmarkLabel> labels_of(const HandPose& pose, const Frame& frame) {
+/// All of them visible: what is hidden a person says. A machine's guess would make good estimates count for
+/// nothing.
+std::vector<LandmarkLabel> labels_of(const HandPose& pose) {
   std::vector<LandmarkLabel> labels(pose.joints.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (pose.joints[i].is_missing()) continue;
-    labels[i].at = pose.joints[i];
-    labels[i].is_visible = is_seen(frame, pose.joints[i], pose.convention.landmarks[i]);
+    if (!pose.joints[i].is_missing()) labels[i].at = pose.joints[i];
   }
   return labels;
 }
@@ -450,7 +438,7 @@ std::vector<LabelChange> LabelSession::estimated(std::int64_t index, const Frame
                        .author = options_.estimator,
                        .time = now(),
                        .seconds = 0.0,
-                       .landmarks = labels_of(converted(hand.pose, head().convention), frame)});
+                       .landmarks = labels_of(converted(hand.pose, head().convention))});
   }
   return changes;
 }
@@ -552,14 +540,13 @@ void LabelSession::propagate(HandKey hand, const Frame& frame) {
   const auto context = from_neighbours(hand, estimates);
   if (!context) return;
   std::vector<LandmarkLabel> labels(estimates.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) labels[i].at = estimates[i];
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    labels[i].at = estimates[i];
+    labels[i].is_visible = history == nullptr || history->newest().landmarks[i].is_visible;
+  }
   const auto fit = fit_labels(frame, hand.side, head().convention, labels, estimates, *context, options_.fit);
   if (!fit) return;
   labels = with_fit(std::move(labels), *fit, LabelState::propagated);
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (!labels[i].at.is_missing())
-      labels[i].is_visible = is_seen(frame, labels[i].at, head().convention.landmarks[i]);
-  }
   const std::int64_t revision = history == nullptr ? 1 : history->revision() + 1;
   fits_.insert_or_assign(hand, KeptFit{revision, *fit, 0.5 * doubt_of(*fit)});
   commit({.frame = hand.frame,
