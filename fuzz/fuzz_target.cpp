@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 33> kTargets{{
+constexpr std::array<FuzzTarget, 35> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
@@ -28,6 +28,8 @@ constexpr std::array<FuzzTarget, 33> kTargets{{
     {"h5_set", run_h5_set},
     {"hdf5", run_hdf5},
     {"journal", run_journal},
+    {"label_request", run_label_request},
+    {"labels", run_labels},
     {"lines", run_lines},
     {"manifest", run_manifest},
     {"mat", run_mat},

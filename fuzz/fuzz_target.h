@@ -80,5 +80,7 @@ void run_mcap(Bytes bytes);
 void run_mkv(Bytes bytes);
 void run_control(Bytes bytes);
 void run_request(Bytes bytes);
+void run_labels(Bytes bytes);
+void run_label_request(Bytes bytes);
 
 }  // namespace knuckle::fuzz

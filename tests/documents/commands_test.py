@@ -45,6 +45,8 @@ REPLACED = [
     (r"^python3 (scripts/convert_mano_body.py) MANO_RIGHT.pkl", r"has_options \1"),
     # Tests of their own (ExperimentTest, Scia15Test) run experiments.
     (r"^(\S*knuckle) experiment scia15", r"knows_options \1 experiment"),
+    # Goes on until Ctrl-C: the options are looked up, and what a person would verify is imported.
+    (r"^(\S*knuckle) annotate", r"is_labelled \1"),
     # Hours of work at full size; options and files are as typed.
     (r"knuckle_bench", "knuckle_bench --benchmark_filter=^patch/ --benchmark_min_time=0.01"),
     (r"knuckle_pose_coverage", "knuckle_pose_coverage --samples 200 --people 2 --step 5000"),
@@ -60,6 +62,11 @@ knows_options() {  # PROGRAM VERB WORD...: the help of the verb has each --optio
     [[ $word != --* ]] || grep -qF -- "$word " <<<"$help" || { echo "no $word in: $help"; return 1; }
   done
 }
+is_labelled() {  # PROGRAM --source S --labels L --prelabel P
+  knows_options "$1" annotate "${@:2}"
+  "$1" estimate --source "$3" --out prelabels.txt --pipeline "$7"
+  "$1" labels import --source "$3" --labels "$5" --poses prelabels.txt
+}
 has_options() {  # SCRIPT WORD...: each --option among the words is one of the script's
   local script=$1; shift
   for word in "$@"; do
@@ -73,6 +80,8 @@ has_options() {  # SCRIPT WORD...: each --option among the words is one of the s
 FIXTURES = {
     "my_set": "knuckle render --manifest manifests/demo.toml --count 4 --format folder --out my_set",
     "my_recording": "knuckle render --manifest manifests/demo.toml --count 4 --format folder --out my_recording",
+    "demo_labels": "for author in ann bea; do knuckle labels import --source synthetic:manifests/demo.toml --labels demo_labels "
+                   "--author $author; done; knuckle labels import --source synthetic:manifests/demo.toml --labels demo_labels",
     "depth.f32": "knuckle render --manifest manifests/demo.toml --count 2 --out d.h5 && python3 -c \"import h5py; "
                  "h5py.File('d.h5')['depth'][:].astype('float32').tofile('depth.f32')\"",
     "$method.toml": "printf '[segmentation]\\nmethod = \"threshold\"\\n' >threshold.toml; "

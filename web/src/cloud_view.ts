@@ -9,7 +9,7 @@ import { Capsules } from "./capsules.ts";
 import type { DepthRange } from "./depth_range.ts";
 import { handColours, kPaletteSize, rgbOf } from "./palette.ts";
 import { kPointFragmentShader, kPointVertexShader } from "./point_shader.ts";
-import type { Camera, FrameHeader, FrameImages, Point3 } from "./protocol.ts";
+import type { Camera, FrameHeader, FrameImages, Point2, Point3 } from "./protocol.ts";
 import { confidenceOf, opacityOf, sizeOf } from "./skeleton.ts";
 
 export type Viewpoint = "front" | "side" | "top" | "oblique";
@@ -40,6 +40,8 @@ export class CloudView {
   showsCloud = true;
   showsSkeleton = true;
   showsSurface = true;
+  closeness = 1;  // how many times nearer than the sensor one looks from
+  isCut = false;  // points beyond both ends of the colours are left out
 
   #canvas: HTMLCanvasElement;
   #renderer: WebGLRenderer;
@@ -102,6 +104,7 @@ export class CloudView {
     const { uniforms } = this.#points.material;
     uniforms["range_mm"]!.value.set(range.near_mm, range.far_mm);
     uniforms["focal_px"]!.value = this.#canvas.height / (2 * Math.tan((kFieldOfView_deg * Math.PI) / 360));
+    uniforms["is_cut"]!.value = this.isCut;
     this.#points.visible = this.showsCloud;
     this.#surface.visible = this.showsSurface;
     this.#renderer.clear();
@@ -115,7 +118,7 @@ export class CloudView {
   look(from: Viewpoint, target?: Point3): void {
     if (target) this.#controls.target.set(target[0], -target[1], -target[2]);
     const at = this.#controls.target;
-    const distance = Math.min(Math.max(-at.z, 200), 3000);
+    const distance = Math.min(Math.max(-at.z, 200), 3000) / this.closeness;
     const [turn, rise] = kViewpoints[from].map((angle) => (angle * Math.PI) / 180) as [number, number];
     this.#camera.position.set(Math.sin(turn) * Math.cos(rise), Math.sin(rise), Math.cos(turn) * Math.cos(rise))
       .multiplyScalar(distance).add(at);
@@ -146,6 +149,29 @@ export class CloudView {
   zoom(factor: number): void {
     this.#wasMoved = true;
     this.#controls.dollyIn(1 / factor);
+  }
+
+  /** While something is dragged, the pointer does not turn the view. */
+  hold(isHeld: boolean): void {
+    this.#controls.enabled = !isHeld;
+  }
+
+  /** Where a point in the sensor's coordinates [mm] is seen on the canvas [CSS px]; null behind the viewer. */
+  canvasAt([x, y, z]: Point3): Point2 | null {
+    this.#camera.updateMatrixWorld();
+    const seen = new Vector3(x, -y, -z).project(this.#camera);
+    if (seen.z > 1) return null;
+    return [((seen.x + 1) / 2) * this.#canvas.clientWidth, ((1 - seen.y) / 2) * this.#canvas.clientHeight];
+  }
+
+  /** The point moved in the screen's plane by so much [CSS px]. */
+  movedOnScreen([x, y, z]: Point3, right: number, down: number): Point3 {
+    this.#camera.updateMatrixWorld();
+    const at = new Vector3(x, -y, -z).project(this.#camera);
+    at.x += (2 * right) / Math.max(1, this.#canvas.clientWidth);
+    at.y -= (2 * down) / Math.max(1, this.#canvas.clientHeight);
+    at.unproject(this.#camera);
+    return [at.x, -at.y, -at.z];
   }
 
   seenFrom(): SeenFrom {
@@ -265,7 +291,7 @@ function pointCloud(depth: DataTexture, palette: Uint8Array): Points<BufferGeome
     uniforms: {
       depth_image: { value: depth }, palette: { value: colours }, depth_unit_mm: { value: 1 }, lens: { value: [1, 1, 0, 0] },
       is_orthographic: { value: false }, is_distorted: { value: false }, distortion: { value: new Array<number>(8).fill(0) },
-      range_mm: { value: new Vector2(300, 1500) }, focal_px: { value: 500 }, stride: { value: 1 },
+      range_mm: { value: new Vector2(300, 1500) }, focal_px: { value: 500 }, is_cut: { value: false }, stride: { value: 1 },
     },
   });
   const points = new Points(new BufferGeometry(), material);  // no attributes: a vertex is its number

@@ -25,11 +25,11 @@ export function apiAddress(path: string, page: Location = location): string {
   return address.href;
 }
 
-function socketAddress(path: string): string {
+export function socketAddress(path: string): string {
   return apiAddress(path).replace(/^http/, "ws");
 }
 
-function plainRefusal(status: number): string {
+export function plainRefusal(status: number): string {
   if (status === 401 || status === 403) return "the server refused this page; open it with the address that knuckle printed, with its token";
   if (status === 503) return "too many pages are open already";
   return `the server answered with status ${status}`;

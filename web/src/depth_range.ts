@@ -34,6 +34,13 @@ export class DepthRange {
     return true;
   }
 
+  /** Follows some points instead of the image, where the range is automatic: all of them, and as much around. */
+  followPoints(depths_mm: number[], margin_mm: number): void {
+    if (!this.isAutomatic || depths_mm.length === 0) return;
+    this.near_mm = Math.max(0, Math.min(...depths_mm) - margin_mm);
+    this.far_mm = Math.max(...depths_mm) + margin_mm;
+  }
+
   setAutomatic(isAutomatic: boolean): void {
     this.isAutomatic = isAutomatic;
     this.#isSettled = false;

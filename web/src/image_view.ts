@@ -20,6 +20,9 @@ const kOutline = "rgba(8, 12, 16, 0.75)";
 export class ImageView {
   kind: ImageKind = "depth";
   showsSkeleton = true;
+  namesHands = true;
+  zoom = 1;  // against the whole image
+  centre: Point2 | null = null;  // the pixel in the middle of the canvas; null: the image's own
 
   #canvas: HTMLCanvasElement;
   #context: CanvasRenderingContext2D;
@@ -58,17 +61,28 @@ export class ImageView {
     const colours = handColours(header.record.hands);
     const shift = header.camera.pixel_origin === "centre" ? 0.5 : 0;  // the canvas counts from the pixel's corner
     context.setTransform(place.scale, 0, 0, place.scale, place.left + shift * place.scale, place.top + shift * place.scale);
-    const unit = Math.max(this.#image.width * place.scale, 480) / 640 / place.scale;  // strokes keep their width on screen
+    const unit = Math.max((this.#image.width * place.scale) / this.zoom, 480) / 640 / place.scale;  // strokes keep their width on screen
     header.record.hands.forEach((hand, i) => this.#drawHand(hand, bones, colours[i]!, unit));
     context.globalAlpha = 1;
   }
 
-  /** Column and row under a point of the canvas [CSS px], or null outside of the image. */
-  pixelAt(x: number, y: number): Point2 | null {
+  /** Where the centre of a pixel, or a place between, lies on the canvas [CSS px]. */
+  canvasAt([u, v]: Point2): Point2 {
     const ratio = this.#canvas.width / Math.max(1, this.#canvas.clientWidth);
     const place = this.#placement();
-    const column = Math.floor((x * ratio - place.left) / place.scale);
-    const row = Math.floor((y * ratio - place.top) / place.scale);
+    return [(place.left + (u + 0.5) * place.scale) / ratio, (place.top + (v + 0.5) * place.scale) / ratio];
+  }
+
+  /** The place in the image under a point of the canvas [CSS px], in pixel-centre coordinates; also outside of the image. */
+  placeAt(x: number, y: number): Point2 {
+    const ratio = this.#canvas.width / Math.max(1, this.#canvas.clientWidth);
+    const place = this.#placement();
+    return [(x * ratio - place.left) / place.scale - 0.5, (y * ratio - place.top) / place.scale - 0.5];
+  }
+
+  /** Column and row under a point of the canvas [CSS px], or null outside of the image. */
+  pixelAt(x: number, y: number): Point2 | null {
+    const [column, row] = this.placeAt(x, y).map(Math.round) as Point2;
     const isInside = column >= 0 && row >= 0 && column < this.#image.width && row < this.#image.height;
     return isInside ? [column, row] : null;
   }
@@ -104,10 +118,11 @@ export class ImageView {
   }
 
   #placement(): Placement {
-    const scale = Math.min(this.#canvas.width / this.#image.width, this.#canvas.height / this.#image.height);
+    const scale = this.zoom * Math.min(this.#canvas.width / this.#image.width, this.#canvas.height / this.#image.height);
+    const [u, v] = this.centre ?? [(this.#image.width - 1) / 2, (this.#image.height - 1) / 2];
     return {
-      left: (this.#canvas.width - this.#image.width * scale) / 2,
-      top: (this.#canvas.height - this.#image.height * scale) / 2,
+      left: this.#canvas.width / 2 - (u + 0.5) * scale,
+      top: this.#canvas.height / 2 - (v + 0.5) * scale,
       scale,
     };
   }
@@ -115,7 +130,7 @@ export class ImageView {
   #drawHand(hand: Hand, bones: readonly [string, string][], colour: string, unit: number): void {
     for (const [from, to] of bones) this.#drawBone(hand, from, to, colour, unit);
     for (const name in hand.landmarks_px) this.#drawLandmark(hand, name, colour, unit);
-    this.#drawName(hand, colour, unit);
+    if (this.namesHands) this.#drawName(hand, colour, unit);
   }
 
   #drawBone(hand: Hand, from: string, to: string, colour: string, unit: number): void {

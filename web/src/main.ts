@@ -479,8 +479,8 @@ function shortcuts(): Shortcut[] {
   const press = (id: string) => (): void => { if (!element<HTMLButtonElement>(id).disabled) element(id).click(); };
   return [
     { keys: [" "], shown: "Space", does: "pause, play", act: press("pause") },
-    { keys: ["."], shown: ".", does: "pause, and one frame on", act: () => step(1) },
-    { keys: [","], shown: ",", does: "pause, and one frame back", act: () => step(-1) },
+    { keys: ["."], shown: ".", does: "pause, and one frame on", act: () => step(1), repeats: true },
+    { keys: [","], shown: ",", does: "pause, and one frame back", act: () => step(-1), repeats: true },
     { keys: ["r", "R"], shown: "R", does: "start and stop a recording", act: press("record") },
     { keys: ["s", "S"], shown: "S", does: "save a screenshot (PNG)", act: press("screenshot") },
     { keys: ["i", "I"], shown: "I", does: "depth, infrared", act: () => chooseImage(imageView.kind === "depth" ? "infrared" : "depth") },

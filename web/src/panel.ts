@@ -92,7 +92,7 @@ function fillCard(card: Card, hand: Hand, colour: string): void {
   setText(card.confidence, confidence === null ? "" : `confidence ${percent(confidence)}`);
 }
 
-export type NoticeKind = "connection" | "frames" | "malformed" | "recording" | "webgl";
+export type NoticeKind = "connection" | "disk" | "remark" | "frames" | "malformed" | "recording" | "webgl";
 
 /** What is wrong at the moment, one line each. */
 export class Notices {

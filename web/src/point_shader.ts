@@ -17,6 +17,7 @@ uniform bool is_distorted;
 uniform float distortion[8];     // OpenCV's k1, k2, p1, p2, k3, k4, k5, k6
 uniform vec2 range_mm;           // near and far end of the palette
 uniform int stride;              // every so many-th column and row is drawn
+uniform bool is_cut;             // points beyond both ends of the palette are left out
 uniform float focal_px;          // of the drawing: its height / (2 tan(field of view / 2))
 
 flat out vec3 colour;
@@ -60,12 +61,13 @@ void main() {
   int columns = (size.x + stride - 1) / stride;
   ivec2 pixel = stride * ivec2(gl_VertexID % columns, gl_VertexID / columns);
   uint count = texelFetch(depth_image, pixel, 0).r;
-  if (count == 0u) {
+  float depth_mm = float(count) * depth_unit_mm;
+  if (count == 0u || (is_cut && (depth_mm < range_mm.x || depth_mm > range_mm.y))) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // outside of what is seen
     gl_PointSize = 1.0;
     return;
   }
-  vec3 point = unproject(pixel, float(count) * depth_unit_mm);
+  vec3 point = unproject(pixel, depth_mm);
   vec4 seen = modelViewMatrix * vec4(point, 1.0);
   gl_Position = projectionMatrix * seen;
   float pitch_mm = is_orthographic ? 1.0 / abs(lens.x) : point.z / abs(lens.x);

@@ -61,6 +61,7 @@ export interface FrameHeader {
 /** A message whose header is read and whose pixels still lie in its buffer. */
 export interface FrameMessage {
   header: FrameHeader;
+  said: unknown;  // the header as it came, with what only some pages read
   buffer: ArrayBuffer;
   pixels: number;  // where the depth begins [bytes]
 }
@@ -84,33 +85,33 @@ const kMostSide = 16384;
 const kMostHands = 64;
 const kMostNames = 1024;
 
-type Json = { [key: string]: unknown };
+export type Json = { [key: string]: unknown };
 
-function fail(text: string): never {
+export function fail(text: string): never {
   throw new MessageError(text);
 }
 
-function object(value: unknown, name: string): Json {
+export function object(value: unknown, name: string): Json {
   if (typeof value !== "object" || value === null || Array.isArray(value)) fail(`${name} is not an object`);
   return value as Json;
 }
 
-function list(value: unknown, name: string, most: number): unknown[] {
+export function list(value: unknown, name: string, most: number): unknown[] {
   if (!Array.isArray(value)) fail(`${name} is not a list`);
   if (value.length > most) fail(`${name} has ${value.length} entries; at most ${most} are expected`);
   return value;
 }
 
-function number(value: unknown, name: string): number {
+export function number(value: unknown, name: string): number {
   if (typeof value !== "number" || !Number.isFinite(value)) fail(`${name} is not a number`);
   return value;
 }
 
-function numberOrNull(value: unknown, name: string): number | null {
+export function numberOrNull(value: unknown, name: string): number | null {
   return value === null || value === undefined ? null : number(value, name);
 }
 
-function text(value: unknown, name: string): string {
+export function text(value: unknown, name: string): string {
   if (typeof value !== "string") fail(`${name} is not text`);
   return value.slice(0, 4096);
 }
@@ -122,7 +123,7 @@ function imageSide(value: unknown, name: string): number {
 }
 
 /** An object whose every entry passes `check`, which says that it is a T. */
-function named<T>(value: unknown, name: string, check: (value: unknown, name: string) => void): Record<string, T> {
+export function named<T>(value: unknown, name: string, check: (value: unknown, name: string) => void): Record<string, T> {
   const entries = Object.entries(object(value ?? {}, name));
   if (entries.length > kMostNames) fail(`${name} has ${entries.length} entries; at most ${kMostNames} are expected`);
   for (const [key, one] of entries) check(one, `${name}.${key}`);
@@ -151,7 +152,7 @@ function readHand(value: unknown, name: string): Hand {
   };
 }
 
-function readRecord(value: unknown): FrameRecord {
+export function readRecord(value: unknown): FrameRecord {
   const record = object(value, "record");
   return {
     frame: number(record["frame"], "record.frame"),
@@ -196,7 +197,7 @@ export function readRecording(value: unknown): Recording | null {
   };
 }
 
-function readSurface(value: unknown): Capsule[][] {
+export function readSurface(value: unknown): Capsule[][] {
   return list(value ?? [], "surface", kMostHands).map((hand) => list(hand ?? [], "surface", kMostNames).map((capsule) => {
     if (list(capsule, "surface", 8).length !== 8) fail("a capsule of surface has not 8 numbers");
     return (capsule as unknown[]).map((one) => number(one, "surface"));
@@ -235,7 +236,8 @@ export function readFrame(data: unknown): FrameMessage {
   if (data.byteLength < 4) fail(`it has ${data.byteLength} bytes; a frame begins with the length of its header`);
   const length = new DataView(data).getUint32(0, true);
   if (length > kMostHeaderBytes || length > data.byteLength - 4) fail(`its header of ${length} bytes is longer than the message`);
-  const header = readHeader(parseJson(new Uint8Array(data, 4, length)));
+  const said = parseJson(new Uint8Array(data, 4, length));
+  const header = readHeader(said);
   const pixels = 4 + length;
   const expected = header.width * header.height * (header.infrared ? 4 : 2);
   const found = data.byteLength - pixels;
@@ -243,22 +245,30 @@ export function readFrame(data: unknown): FrameMessage {
     fail(`it holds ${found} bytes of pixels; ${header.width} x ${header.height}` +
          `${header.infrared ? " with infrared" : ""} needs ${expected}`);
   }
-  return { header, buffer: data, pixels };
+  return { header, said, buffer: data, pixels };
+}
+
+/** Pairs of landmarks that a bone joins. */
+export function readBones(value: unknown): [string, string][] {
+  return list(value ?? [], "bones", kMostNames).map((bone): [string, string] => {
+    const ends = list(bone, "bones", 2);
+    return [text(ends[0], "bones"), text(ends[1], "bones")];
+  });
+}
+
+export function readNames(value: unknown): string[] {
+  return list(value ?? [], "landmarks", kMostNames).map((name) => text(name, "landmarks"));
 }
 
 /** Reads the answer of /api/info. Throws a MessageError. */
 export function readInfo(value: unknown): Info {
   const info = object(value, "the answer");
-  const bones = list(info["bones"] ?? [], "bones", kMostNames).map((bone): [string, string] => {
-    const ends = list(bone, "bones", 2);
-    return [text(ends[0], "bones"), text(ends[1], "bones")];
-  });
   return {
     version: text(info["version"] ?? "", "version"),
     source: text(info["source"] ?? "", "source"),
     convention: text(info["convention"] ?? "", "convention"),
-    landmarks: list(info["landmarks"] ?? [], "landmarks", kMostNames).map((name) => text(name, "landmarks")),
-    bones,
+    landmarks: readNames(info["landmarks"]),
+    bones: readBones(info["bones"]),
     pipeline: text(info["pipeline"] ?? "", "pipeline"),
     recording: readRecording(info["recording"]),
     can_record: info["can_record"] === true,

@@ -6,6 +6,7 @@ export interface Shortcut {
   shown: string;  // as the help page shows them
   does: string;
   act: () => void;
+  repeats?: boolean;  // while the key is held
 }
 
 /** Calls the action of the key that is pressed, unless one writes into a field or `areOn` says no. */
@@ -18,17 +19,13 @@ export function listenToKeys(shortcuts: Shortcut[], areOn: () => boolean): void 
     const shortcut = shortcuts.find(({ keys }) => keys.includes(event.key));
     if (!shortcut || (!areOn() && event.key !== "?")) return;
     event.preventDefault();
-    if (!event.repeat || isRepeated(event.key)) shortcut.act();
+    if (!event.repeat || shortcut.repeats) shortcut.act();
   });
 }
 
 function isWrittenInto(target: HTMLElement): boolean {
   return target.isContentEditable || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement ||
     (target instanceof HTMLInputElement && target.type !== "checkbox");
-}
-
-function isRepeated(key: string): boolean {
-  return key === "." || key === ",";
 }
 
 /** Keys that turn, zoom and move the view that has the focus. */

@@ -16,6 +16,8 @@ void add_verbs(CLI::App& program) {
   add_segment(program);
   add_estimate(program);
   add_live(program);
+  add_annotate(program);
+  add_labels(program);
   add_record(program);
   add_cameras(program);
   add_landmarks(program);

@@ -15,6 +15,7 @@ CLI::App& add_verb(CLI::App& program, const std::string& name, const std::string
                    const std::string& example);
 
 // One file a verb; each adds its verb to the program.
+void add_annotate(CLI::App& program);
 void add_cameras(CLI::App& program);
 void add_demo(CLI::App& program);
 void add_estimate(CLI::App& program);
@@ -23,6 +24,7 @@ void add_experiment(CLI::App& program);
 void add_export(CLI::App& program);
 void add_info(CLI::App& program);
 void add_inspect(CLI::App& program);
+void add_labels(CLI::App& program);
 void add_landmarks(CLI::App& program);
 void add_live(CLI::App& program);
 void add_record(CLI::App& program);

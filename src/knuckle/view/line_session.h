@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names Boost: included by live_server.cpp alone.
+// Names Boost: included by web_server.cpp alone.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace knuckle {
 
-/// A client of /api/records.jsonl: an answer without an end, a line per record.
+/// A client of a feed of lines: an answer without an end.
 class LineSession final : public Session {
  public:
   /// `is_chunked`: HTTP/1.1 wants to know where pieces end.
@@ -35,7 +35,7 @@ class LineSession final : public Session {
     read();
   }
   void show() override {
-    records_.add(hub_.newest_record());
+    records_.add(hub_.newest_text());
     write();
   }
   void end() override {

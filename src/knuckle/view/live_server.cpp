@@ -1,190 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only source that includes Boost, by the sessions' headers: it takes the compiler long.
 #include "knuckle/view/live_server.h"
 
-#include <chrono>
-#include <cstddef>
-#include <deque>
 #include <mutex>
-#include <optional>
-#include <string_view>
-#include <thread>
 #include <utility>
 
-#include <boost/asio/ip/host_name.hpp>
-#include <boost/asio/post.hpp>
-
 #include "knuckle/core/error.h"
-#include "knuckle/view/request_session.h"
+#include "knuckle/view/control_message.h"
 
 namespace knuckle {
-namespace {
-
-constexpr std::size_t kMostUpdates = 16;          // on their way to the server's thread
-constexpr std::chrono::milliseconds kPause{100};  // after a connection could not be accepted
-
-void check(const LiveServerOptions& options) {
-  constexpr int kMostPort = 65535;
-  constexpr int kMostConnections = 4096;
-  constexpr double kLongest = 3600.0;
-  if (options.port < 0 || options.port > kMostPort)
-    fail("live server: the port is {}, expected 0 to {}", options.port, kMostPort);
-  if (options.most_connections < 1 || options.most_connections > kMostConnections)
-    fail("live server: {} connections, expected 1 to {}", options.most_connections, kMostConnections);
-  for (const double seconds : {options.request_s, options.write_s}) {
-    if (!(seconds > 0.0 && seconds <= kLongest))
-      fail("live server: a limit of {} s, expected more than 0, at most {}", seconds, kLongest);
-  }
-}
-
-asio::ip::address address_of(const std::string& host) {
-  if (host == "localhost") return asio::ip::address_v4::loopback();
-  Fault fault;
-  auto address = asio::ip::make_address(host, fault);
-  if (fault) fail("--host {}: expected an address of this machine, such as 127.0.0.1 or 0.0.0.0", host);
-  return address;
-}
-
-Tcp::acceptor acceptor_on(asio::io_context& context, const asio::ip::address& address, int port) {
-  const Tcp::endpoint endpoint(address, static_cast<std::uint16_t>(port));
-  Tcp::acceptor acceptor(context);
-  Fault fault;
-  acceptor.open(endpoint.protocol(), fault);
-  if (!fault) acceptor.set_option(asio::socket_base::reuse_address(true), fault);
-  if (!fault) acceptor.bind(endpoint, fault);
-  if (!fault) acceptor.listen(asio::socket_base::max_listen_connections, fault);
-  if (fault == asio::error::address_in_use) {
-    fail("port {} of {} is in use by another program; choose another port, or 0 for any that is free", port,
-         address.to_string());
-  }
-  if (fault) fail("port {} of {} cannot be served: {}", port, address.to_string(), fault.message());
-  return acceptor;
-}
-
-/// The address for the user's browser.
-std::string address_text(const Tcp::endpoint& endpoint, const std::string& token) {
-  const asio::ip::address address = endpoint.address();
-  Fault unknown;
-  std::string host = address.is_v6() ? fmt::format("[{}]", address.to_string()) : address.to_string();
-  if (address.is_unspecified()) {
-    if (std::string name = asio::ip::host_name(unknown); !unknown) host = std::move(name);
-  }
-  return fmt::format("http://{}:{}/{}{}", host, endpoint.port(), token.empty() ? "" : "?token=", token);
-}
-
-}  // namespace
 
 class LiveServer::Impl {
  public:
-  Impl(LiveInfo info, const LiveServerOptions& options, RecordingControl recording) {
-    check(options);
-    hub_.info = std::move(info);
-    hub_.options = options;
-    hub_.recording = std::move(recording);
-    hub_.page = read_page_files(options.page);
-    const asio::ip::address address = address_of(options.host);
-    if (!address.is_loopback()) hub_.access.token = random_token();
-    acceptor_.emplace(acceptor_on(hub_.context, address, options.port));
-    const Tcp::endpoint endpoint = acceptor_->local_endpoint();
-    hub_.access.cookie_name = fmt::format("knuckle_token_{}", endpoint.port());  // ports share cookies
-    address_ = address_text(endpoint, hub_.access.token);
-    accept();
-    thread_ = std::thread([this] { run(); });
-  }
-  ~Impl() {
-    asio::post(hub_.context, [this] { end(); });
-    thread_.join();
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  Impl(LiveInfo info, const LiveServerOptions& options, RecordingControl recording)
+      : info_(std::move(info)), recording_(std::move(recording)), server_(service(), options) {}
 
-  const std::string& address() const { return address_; }
+  const std::string& address() const { return server_.address(); }
 
-  void publish(Update update) {
+  void publish(std::shared_ptr<const LiveUpdate> update) {
     {
       const std::lock_guard lock(mutex_);
-      if (updates_.size() == kMostUpdates) updates_.pop_front();
-      updates_.push_back(std::move(update));
-      if (updates_.size() > 1) return;  // the server's thread is on its way
+      newest_ = update;
     }
-    asio::post(hub_.context, [this] { show_updates(); });
+    server_.publish(
+        std::make_shared<const WebUpdate>(WebUpdate{.text = [update] { return to_json_line(update->record); },
+                                                    .image = [update] { return frame_message(*update); }}));
   }
 
  private:
-  void run() {
-    while (true) {
-      try {
-        hub_.context.run();
-        return;
-      } catch (const std::exception&) {  // ends the connection that it happened in, and no other
-      }
+  WebService service() {
+    return {
+        .answer = [this](const WebRequest& request, const WebReply& reply) { return answer(request, reply); },
+        .feeds = {{"/api/records", WebFeed::texts},
+                  {"/api/frames", WebFeed::images},
+                  {"/api/records.jsonl", WebFeed::lines}},
+        .without_socket = " Records are at /api/records.jsonl without one."};
+  }
+
+  bool answer(const WebRequest& request, const WebReply& reply) const {
+    if (request.path == "/api/info" && !request.is_post) {
+      reply({.body = info()});
+    } else if (request.path == "/api/recording") {
+      reply(set_recording(request));
+    } else {
+      return false;
     }
+    return true;
   }
 
-  void accept() {
-    acceptor_->async_accept([this](Fault fault, Tcp::socket socket) {
-      if (hub_.is_ending) return;
-      if (fault) {  // no descriptor is left, say
-        pause_.expires_after(kPause);
-        return pause_.async_wait([this](Fault cancelled) {
-          if (!cancelled && !hub_.is_ending) accept();
-        });
-      }
-      accept();  // first: whatever happens to this one, others are welcome
-      welcome(std::move(socket));
-    });
-  }
-
-  void welcome(Tcp::socket socket) {
-    Fault ignored;
-    socket.set_option(Tcp::no_delay(true), ignored);
-    socket.set_option(asio::socket_base::keep_alive(true), ignored);
-    if (hub_.sessions.size() < static_cast<std::size_t>(hub_.options.most_connections))
-      return std::make_shared<RequestSession>(hub_, std::move(socket))->begin();
-    static constexpr std::string_view kFull =
-        "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nContent-Length: 29\r\n"
-        "Connection: close\r\n\r\nToo many are connected here.\n";
-    socket.non_blocking(true, ignored);
-    socket.write_some(asio::buffer(kFull.data(), kFull.size()), ignored);
-    socket.shutdown(Tcp::socket::shutdown_send, ignored);
-  }
-
-  void show_updates() {
-    std::deque<Update> updates;
+  std::string info() const {
+    std::shared_ptr<const LiveUpdate> newest;
     {
       const std::lock_guard lock(mutex_);
-      updates.swap(updates_);
+      newest = newest_;
     }
-    for (const Update& update : updates) {
-      hub_.set_newest(update);
-      hub_.for_each_session([](Session& session) { session.show(); });
-    }
+    return info_message(info_, recording_.state(), newest.get());
   }
 
-  void end() {
-    show_updates();
-    hub_.is_ending = true;
-    acceptor_->close();
-    pause_.cancel();
-    hub_.for_each_session([](Session& session) { session.end(); });
-    if (hub_.sessions.empty()) return;
-    hub_.farewell.expires_after(kFarewell);
-    hub_.farewell.async_wait([this](Fault cancelled) {
-      if (!cancelled) hub_.for_each_session([](Session& session) { session.close(); });
-    });
+  WebAnswer set_recording(const WebRequest& request) const {
+    constexpr int kBadRequest = 400;
+    constexpr int kNotAllowed = 405;
+    constexpr int kConflict = 409;
+    if (!request.is_post) {
+      WebAnswer refusal = sentence_answer(kNotAllowed, "Only POST is served here.");
+      refusal.allow = "POST";
+      return refusal;
+    }
+    RecordingRequest wanted;
+    try {
+      wanted = parse_recording_request(request.body);
+    } catch (const Error& error) {
+      return sentence_answer(kBadRequest, error.what());
+    }
+    if (!info_.can_record || !recording_.set) {
+      return sentence_answer(kConflict,
+                             "There is no place for recordings: start the program with --record-folder.");
+    }
+    try {
+      recording_.set(wanted.on);
+    } catch (const Error& error) {
+      return sentence_answer(kConflict, error.what());
+    }
+    return {.body = info()};
   }
 
-  Hub hub_;
-  std::optional<Tcp::acceptor> acceptor_;
-  asio::steady_timer pause_{hub_.context};
-  std::string address_;
-  std::mutex mutex_;
-  std::deque<Update> updates_;  ///< published, not shown yet
-  std::thread thread_;
+  LiveInfo info_;
+  RecordingControl recording_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const LiveUpdate> newest_;  ///< null before the first
+  WebServer server_;                          ///< the last: it asks the others
 };
 
 bool has_live_server() {
-  return true;
+  return has_web_server();
 }
 
 LiveServer::LiveServer(LiveInfo info, const LiveServerOptions& options, RecordingControl recording)

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "knuckle/view/live_messages.h"
+#include "knuckle/view/web_server.h"
 
 namespace knuckle {
 
@@ -19,24 +18,14 @@ struct RecordingControl {
   std::function<void(bool on)> set = {};
 };
 
-/// Where a server listens, and how long it has patience.
-struct LiveServerOptions {
-  std::string host = "127.0.0.1";  ///< an address of this machine, "localhost", or 0.0.0.0 for all of them
-  int port = 8790;                 ///< [0, 65535]; 0: any free one
-  std::filesystem::path page;      ///< folder of the page's files; need not be there
-  int most_connections = 64;       ///< [1, 4096]; whoever comes then is told so
-  double request_s = 10.0;         ///< for a whole request to come, (0, 3600] [s]
-  double write_s = 30.0;           ///< for a message to be taken, (0, 3600] [s]; then the connection ends
-};
+/// Where it listens; its usual port is 8790.
+using LiveServerOptions = WebServerOptions;
 
 /// Whether this build has the server: it needs Boost.
 bool has_live_server();
 
-/// Shows a live stream to the browser and to programs: HTTP and WebSocket on one port (docs/live.md says what
-/// is served). It has one thread of its own, and delays nobody: who reads slowly loses frames.
-///
-/// Where `host` is not this machine alone, a token is made, which every request has to know; `address` holds
-/// it.
+/// Shows a live stream to the browser and to programs by a WebServer (docs/live.md says what is served): who
+/// reads slowly loses frames.
 class LiveServer {
  public:
   /// Begins to serve. Throws an Error where the page's files cannot be read, the host is no address, the port

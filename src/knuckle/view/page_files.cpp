@@ -54,7 +54,7 @@ std::string content_of(const fs::path& path) {
 
 }  // namespace
 
-PageFiles read_page_files(const fs::path& folder) {
+PageFiles read_page_files(const fs::path& folder, const std::string& index) {
   PageFiles files;
   std::error_code missing;
   std::uintmax_t bytes = 0;
@@ -72,7 +72,7 @@ PageFiles read_page_files(const fs::path& folder) {
     const std::string path = entry->path().lexically_relative(folder).generic_string();
     files[fmt::format("/{}", path)] = {kind->content_type, content_of(entry->path())};
   }
-  if (const auto index = files.find("/index.html"); index != files.end()) files["/"] = index->second;
+  if (const auto found = files.find("/" + index); found != files.end()) files["/"] = found->second;
   return files;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names Boost: included by live_server.cpp alone.
+// Names Boost: included by web_server.cpp alone.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,10 @@
 #include <string_view>
 #include <utility>
 
+#include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
-#include "knuckle/view/control_message.h"
 #include "knuckle/view/line_session.h"
 #include "knuckle/view/session.h"
 #include "knuckle/view/socket_session.h"
@@ -55,9 +54,19 @@ class RequestSession final : public Session {
     is_ending_ = true;
     if (!is_answering_) close();
   }
-  void close() override { stream_.close(); }
+  void close() override {
+    stream_.close();
+    const auto kept = std::exchange(alive_, nullptr);  // the last act where it was waiting
+  }
 
  private:
+  /// What of a request its answer hangs on.
+  struct Asked {
+    int version = 11;
+    bool keeps_alive = false;
+    bool is_head = false;
+  };
+
   void read() {
     parser_.emplace();
     parser_->header_limit(kMostHead);
@@ -101,29 +110,68 @@ class RequestSession final : public Session {
   }
 
   bool route_path(const Request& request, std::string_view path) {
-    if (path == "/api/recording") return reply(request, set_recording(request));
-    if (request.method() != http::verb::get && request.method() != http::verb::head) {
-      Response response = text(http::status::method_not_allowed, "Only GET is served here.");
-      response.set(http::field::allow, "GET, HEAD");
-      return reply(request, std::move(response));
-    }
-    if (path == "/api/info") {
-      return reply(request, content(http::status::ok, "application/json",
-                                    info_message(hub_.info, hub_.recording.state(), hub_.newest.get())));
-    }
-    if (path == "/api/records.jsonl") return begin_lines(request);
-    if (path == "/api/records") return begin_socket(request, SocketSession::Kind::records);
-    if (path == "/api/frames") return begin_socket(request, SocketSession::Kind::frames);
-    return reply(request, page_file(request, path));
+    if (ask_service(request, path)) return true;
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return reply(request, response_of(only_get()));
+    const auto feed = hub_.service.feeds.find(path);
+    if (feed == hub_.service.feeds.end()) return reply(request, page_file(request, path));
+    if (feed->second == WebFeed::lines) return begin_lines(request);
+    return begin_socket(request, feed->second);
+  }
+
+  static WebAnswer only_get() {
+    WebAnswer answer = sentence_answer(405, "Only GET is served here.");
+    answer.allow = "GET, HEAD";
+    return answer;
+  }
+
+  /// True where the service answers, now or later; until then the session keeps itself alive. The reply may
+  /// come from another thread: it only leads back to this one.
+  bool ask_service(const Request& request, std::string_view path) {
+    const http::verb method = request.method();
+    const bool is_post = method == http::verb::post;
+    const bool is_known = is_post || method == http::verb::get || method == http::verb::head;
+    if (!hub_.service.answer || !is_known) return false;
+    const WebReply take = [&hub = hub_, weak = weak_from_this()](WebAnswer answer) {
+      asio::post(hub.context, [weak, answer = std::move(answer)] {
+        if (const auto session = weak.lock())
+          std::static_pointer_cast<RequestSession>(session)->take_answer(answer);
+      });
+    };
+    begin_waiting(request);
+    const std::string_view target = view_of(request.target());
+    const WebRequest wanted{is_post, std::string(path), std::string(target.substr(path.size())),
+                            request.body()};
+    if (hub_.service.answer(wanted, take)) return true;
+    is_answering_ = false;
+    alive_.reset();
+    return false;
+  }
+  void begin_waiting(const Request& request) {
+    is_answering_ = true;
+    alive_ = shared_from_this();
+    asked_.version = static_cast<int>(request.version());
+    asked_.keeps_alive = request.keep_alive();
+    asked_.is_head = request.method() == http::verb::head;
+  }
+  void take_answer(const WebAnswer& from_service) {
+    if (!alive_) return;  // closed meanwhile
+    const auto kept = std::exchange(alive_, nullptr);
+    Response response = response_of(from_service);
+    response.version(static_cast<unsigned>(asked_.version));
+    response.keep_alive(asked_.keeps_alive && !is_ending_);
+    answer(std::move(response), asked_.is_head);
   }
 
   Response page_file(const Request& request, std::string_view path) const {
     const auto file = hub_.page.find(path);
     if (file == hub_.page.end()) {
       return text(http::status::not_found,
-                  path == "/" ? "The page is not installed: there is no web/dist/index.html beside Knuckle's "
-                                "models. /api/info, /api/records and /api/frames are served."
-                              : "There is nothing of this name.");
+                  path == "/"
+                      ? fmt::format("The page is not installed: there is no web/dist/{} beside Knuckle's "
+                                    "models. What is below /api is served.",
+                                    hub_.options.index)
+                      : "There is nothing of this name.");
     }
     Response response = content(http::status::ok, file->second.content_type, file->second.bytes);
     const std::string_view host = view_of(request[http::field::host]);
@@ -136,31 +184,12 @@ class RequestSession final : public Session {
     return response;
   }
 
-  Response set_recording(const Request& request) {
-    if (request.method() != http::verb::post) {
-      Response response = text(http::status::method_not_allowed, "Only POST is served here.");
-      response.set(http::field::allow, "POST");
-      return response;
-    }
-    RecordingRequest wanted;
-    try {
-      wanted = parse_recording_request(request.body());
-    } catch (const Error& error) {
-      return text(http::status::bad_request, error.what());
-    }
-    if (!hub_.info.can_record || !hub_.recording.set) {
-      return text(http::status::conflict,
-                  "There is no place for recordings: start the program with --record-folder.");
-    }
-    try {
-      hub_.recording.set(wanted.on);
-    } catch (const Error& error) {
-      return text(http::status::conflict, error.what());
-    }
-    return content(http::status::ok, "application/json",
-                   info_message(hub_.info, hub_.recording.state(), hub_.newest.get()));
+  static Response response_of(const WebAnswer& from_service) {
+    Response response =
+        content(static_cast<http::status>(from_service.status), from_service.content_type, from_service.body);
+    if (!from_service.allow.empty()) response.set(http::field::allow, from_service.allow);
+    return response;
   }
-
   static Response content(http::status status, std::string_view type, std::string body) {
     Response response(status, 11);
     response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
@@ -172,7 +201,7 @@ class RequestSession final : public Session {
     return response;
   }
   static Response text(http::status status, std::string_view sentence) {
-    return content(status, "text/plain; charset=utf-8", printable(sentence) + "\n");
+    return response_of(sentence_answer(static_cast<int>(status), sentence));
   }
 
   bool reply(const Request& request, Response response) {
@@ -218,10 +247,10 @@ class RequestSession final : public Session {
     std::make_shared<LineSession>(hub_, std::move(stream_), request.version() >= 11)->begin();
     return true;
   }
-  bool begin_socket(const Request& request, SocketSession::Kind kind) {
+  bool begin_socket(const Request& request, WebFeed kind) {
     if (!websocket::is_upgrade(request)) {
       Response response = text(http::status::upgrade_required,
-                               "This is a WebSocket. Records are at /api/records.jsonl without one.");
+                               fmt::format("This is a WebSocket.{}", hub_.service.without_socket));
       response.set(http::field::upgrade, "websocket");
       return reply(request, std::move(response));
     }
@@ -237,6 +266,8 @@ class RequestSession final : public Session {
   Response response_;
   bool is_answering_ = false;
   bool is_ending_ = false;
+  std::shared_ptr<Session> alive_;  ///< itself, while it waits for the service
+  Asked asked_;
 };
 
 }  // namespace knuckle

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names Boost: included by live_server.cpp alone.
+// Names Boost: included by web_server.cpp alone.
 #pragma once
 
 #include <chrono>
@@ -16,9 +16,9 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 
-#include "knuckle/view/live_server.h"
 #include "knuckle/view/page_files.h"
 #include "knuckle/view/request_access.h"
+#include "knuckle/view/web_server.h"
 
 namespace knuckle {
 
@@ -27,7 +27,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using Tcp = asio::ip::tcp;
 using Fault = beast::error_code;
-using Update = std::shared_ptr<const LiveUpdate>;
+using Update = std::shared_ptr<const WebUpdate>;
 
 /// For clients to take what still waits, at the end; and for those who were refused.
 inline constexpr std::chrono::seconds kFarewell{1};
@@ -48,7 +48,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Session& operator=(const Session&) = delete;
   virtual ~Session() = default;
 
-  /// There is a new frame, the hub's newest.
+  /// There is something new, the hub's newest.
   virtual void show() {}
   /// Ends the connection once all that waits has been sent.
   virtual void end() = 0;
@@ -67,9 +67,8 @@ class Session : public std::enable_shared_from_this<Session> {
 struct Hub {
   std::unordered_map<Session*, std::weak_ptr<Session>> sessions;  // outlives the context, which may hold some
   asio::io_context context{1};
-  LiveInfo info;
-  LiveServerOptions options;
-  RecordingControl recording;
+  WebService service;
+  WebServerOptions options;
   PageFiles page;
   RequestAccess access;
   Update newest;  ///< null before the first
@@ -89,26 +88,25 @@ struct Hub {
     }
     for (const auto& session : all) visit(*session);
   }
-  /// The message of the newest frame, made when the first client asks for it.
-  const std::shared_ptr<const std::vector<std::uint8_t>>& newest_message() {
-    if (message_ == nullptr)
-      message_ = std::make_shared<const std::vector<std::uint8_t>>(frame_message(*newest));
-    return message_;
+  /// The image of what is newest, made when the first client asks for it.
+  const std::shared_ptr<const std::vector<std::uint8_t>>& newest_image() {
+    if (image_ == nullptr) image_ = std::make_shared<const std::vector<std::uint8_t>>(newest->image());
+    return image_;
   }
-  /// The record of the newest frame, likewise.
-  const std::shared_ptr<const std::string>& newest_record() {
-    if (record_ == nullptr) record_ = std::make_shared<const std::string>(to_json_line(newest->record));
-    return record_;
+  /// Its text, likewise.
+  const std::shared_ptr<const std::string>& newest_text() {
+    if (text_ == nullptr) text_ = std::make_shared<const std::string>(newest->text());
+    return text_;
   }
   void set_newest(Update update) {
     newest = std::move(update);
-    message_.reset();
-    record_.reset();
+    image_.reset();
+    text_.reset();
   }
 
  private:
-  std::shared_ptr<const std::vector<std::uint8_t>> message_;
-  std::shared_ptr<const std::string> record_;
+  std::shared_ptr<const std::vector<std::uint8_t>> image_;
+  std::shared_ptr<const std::string> text_;
 };
 
 /// Ends what takes too long.

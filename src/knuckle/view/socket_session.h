@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names Boost: included by live_server.cpp alone.
+// Names Boost: included by web_server.cpp alone.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,13 @@ namespace knuckle {
 
 namespace websocket = beast::websocket;
 
-/// Of the system, for frames [bytes]: old ones shall not pile up there.
-inline constexpr int kFrameBuffer = 1 << 19;
+/// Of the system, for images [bytes]: old ones shall not pile up there.
+inline constexpr int kImageBuffer = 1 << 19;
 
-/// A client of /api/records or /api/frames.
+/// A client of a feed of texts or images.
 class SocketSession final : public Session {
  public:
-  enum class Kind { records, frames };
-
-  SocketSession(Hub& hub, beast::tcp_stream stream, Kind kind)
+  SocketSession(Hub& hub, beast::tcp_stream stream, WebFeed kind)
       : hub_(hub), socket_(std::move(stream)), kind_(kind), deadline_(hub), message_deadline_(hub) {}
   ~SocketSession() override { hub_.leave(this); }
 
@@ -32,8 +30,8 @@ class SocketSession final : public Session {
     hub_.enter(shared_from_this());
     beast::get_lowest_layer(socket_).expires_never();  // Deadline stands for it from now on
     Fault ignored;
-    if (kind_ == Kind::frames) {
-      beast::get_lowest_layer(socket_).socket().set_option(asio::socket_base::send_buffer_size(kFrameBuffer),
+    if (kind_ == WebFeed::images) {
+      beast::get_lowest_layer(socket_).socket().set_option(asio::socket_base::send_buffer_size(kImageBuffer),
                                                            ignored);
     }
     socket_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(),
@@ -42,14 +40,14 @@ class SocketSession final : public Session {
         [](websocket::response_type& response) { response.set(http::field::server, "knuckle"); }));
     socket_.read_message_max(kMostMessage);
     socket_.auto_fragment(false);  // one frame per message, sent from where it lies
-    socket_.binary(kind_ == Kind::frames);
+    socket_.binary(kind_ == WebFeed::images);
     is_writing_ = true;
     deadline_.set(hub_.options.request_s, shared_from_this());
     socket_.async_accept(request, [self = self<SocketSession>()](Fault fault) { self->on_accepted(fault); });
   }
 
   void show() override {
-    if (kind_ == Kind::records) records_.add(hub_.newest_record());
+    if (kind_ == WebFeed::texts) records_.add(hub_.newest_text());
     has_newer_ = true;
     write();
   }
@@ -88,11 +86,11 @@ class SocketSession final : public Session {
 
   void write() {
     if (is_writing_) return;
-    if (kind_ == Kind::records && !records_.empty()) {
+    if (kind_ == WebFeed::texts && !records_.empty()) {
       const auto record = records_.take();
       send(asio::buffer(*record), record);
-    } else if (kind_ == Kind::frames && has_newer_) {
-      const auto message = hub_.newest_message();
+    } else if (kind_ == WebFeed::images && has_newer_) {
+      const auto message = hub_.newest_image();
       send(asio::buffer(*message), message);
     } else if (is_ending_) {
       is_writing_ = true;
@@ -116,7 +114,7 @@ class SocketSession final : public Session {
 
   Hub& hub_;
   websocket::stream<beast::tcp_stream> socket_;
-  Kind kind_;
+  WebFeed kind_;
   Deadline deadline_;
   Deadline message_deadline_;
   bool is_in_message_ = false;

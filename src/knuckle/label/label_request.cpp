@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/label/label_request.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "knuckle/label/label_json.h"
+
+namespace knuckle {
+namespace {
+
+using label_json::Fields;
+using label_json::Json;
+using label_json::Value;
+using Kind = LabelRequest::Kind;
+
+constexpr double kLongestSeconds = 3600.0;
+constexpr std::array<std::string_view, 7> kActs{"place", "move", "look", "free", "verify", "undo", "redo"};
+const char* const kWhere = "message";
+
+/// The keys that a kind needs.
+std::vector<std::string> keys_of(Kind kind) {
+  if (kind == Kind::undo || kind == Kind::redo) return {"act"};
+  std::vector<std::string> keys{"act", "frame", "side", "revision"};
+  if (kind != Kind::verify) keys.emplace_back("landmark");
+  if (kind == Kind::place) keys.emplace_back("pixel");
+  if (kind == Kind::move) keys.emplace_back("point_mm");
+  if (kind == Kind::look) keys.emplace_back("visible");
+  return keys;
+}
+
+double number_in(const Value& list, std::size_t size, std::size_t i, double farthest) {
+  if (!list.json.is_array() || list.json.size() != size)
+    list.fail_expected(fmt::format("a list of {} numbers", size));
+  return Value{list.json[i], list.where}.number(-farthest, farthest);
+}
+
+std::size_t landmark_from(const Value& value, const Convention& convention) {
+  const std::string name = value.text();
+  for (std::size_t i = 0; i < convention.landmarks.size(); ++i) {
+    if (name_of(convention.landmarks[i]) == name) return i;
+  }
+  fail("{}: '{}' is no landmark of {}", value.where, name, convention.name);
+}
+
+void read_hand(const Fields& fields, const LabelHead& head, LabelRequest& request) {
+  constexpr std::array<std::string_view, 2> kSides{"right", "left"};
+  request.hand.frame = fields.at("frame").whole_number(0, head.frames - 1);
+  request.hand.side = fields.at("side").one_of(kSides) == 1 ? HandSide::left : HandSide::right;
+  request.revision = fields.at("revision").whole_number(0, std::numeric_limits<std::int64_t>::max());
+  if (fields.has("landmark")) request.landmark = landmark_from(fields.at("landmark"), head.convention);
+}
+
+}  // namespace
+
+LabelRequest parse_label_request(std::string_view text, const LabelHead& head) {
+  const Json json = label_json::parsed(text, kMostRequestBytes, kWhere);
+  const Value message{json, kWhere};
+  if (!json.is_object() || !json.contains("act")) message.fail_expected(R"(an object with the key "act")");
+  LabelRequest request;
+  request.kind = static_cast<Kind>(Value{json["act"], "message: act"}.one_of(kActs));
+  const Fields fields(message, keys_of(request.kind), {"preview", "model", "seconds"});
+  if (fields.has("frame")) read_hand(fields, head, request);
+  if (fields.has("pixel")) {
+    request.u = number_in(fields.at("pixel"), 2, 0, label_json::kFarthestPx);
+    request.v = number_in(fields.at("pixel"), 2, 1, label_json::kFarthestPx);
+  }
+  if (fields.has("point_mm")) {
+    for (int i = 0; i < 3; ++i)
+      request.point_mm[i] =
+          number_in(fields.at("point_mm"), 3, static_cast<std::size_t>(i), label_json::kFarthestMm);
+  }
+  if (fields.has("visible")) request.is_visible = fields.at("visible").flag();
+  if (fields.has("preview")) request.is_preview = fields.at("preview").flag();
+  if (fields.has("model")) request.uses_model = fields.at("model").flag();
+  if (fields.has("seconds")) request.seconds = fields.at("seconds").number(0.0, kLongestSeconds);
+  return request;
+}
+
+}  // namespace knuckle

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "knuckle/data/frame_source.h"
+#include "knuckle/label/label_fit.h"
+#include "knuckle/label/label_journal.h"
+#include "knuckle/label/label_request.h"
+
+namespace knuckle {
+
+/// A hand that an estimator found, for labelling to begin with.
+struct EstimatedHand {
+  HandSide side = HandSide::right;
+  HandPose pose;  ///< in any convention
+};
+/// What finds the hands of a frame; called without a lock, by one thread at a time.
+using EstimateHands = std::function<std::vector<EstimatedHand>(const Frame&)>;
+
+/// One hand of a frame as it stands.
+struct LabelledHand {
+  HandSide side = HandSide::right;
+  std::int64_t revision = 0;
+  LabelState state = LabelState::estimated;
+  std::vector<LandmarkLabel> landmarks = {};  ///< one per landmark of the convention
+  std::optional<LabelFit> fit = {};           ///< of the hand model, where it was fitted
+  double seconds = 0.0;                       ///< that persons have worked on it
+  std::string author = {};                    ///< of the newest change
+  std::string time = {};
+};
+
+/// A frame with its labels.
+struct LabelledFrame {
+  std::int64_t index = 0;
+  std::shared_ptr<const Frame> frame;
+  std::vector<LabelledHand> hands;  ///< right before left
+};
+
+/// What came of a request.
+struct LabelAnswer {
+  LabelledFrame labelled;   ///< the request's frame as it stands, or, of a preview, as it would
+  bool is_refused = false;  ///< another page or program has changed the hand meanwhile: nothing was done
+  std::string remark;       ///< why nothing was done, in a sentence; empty where it was
+  double fit_ms = 0.0;      ///< that the hand model took
+};
+
+/// How a frame stands, for the film strip.
+struct FrameStanding {
+  std::optional<LabelState> state;  ///< the least of its hands'; nothing: there are no labels
+  double doubt_mm = 0.0;  ///< how far its labels may be off: what the fit says of those not verified
+};
+
+/// What a session is begun with.
+struct LabelSessionOptions {
+  std::string author = "someone";      ///< who works in the page
+  std::string estimator = "pipeline";  ///< who `estimate` is, for the file
+  EstimateHands estimate = nullptr;    ///< nothing: labelling begins from nothing
+  LabelFitOptions fit = {};
+  int reach = 4;                     ///< frames to both sides that a verified one pulls, [0, 100]
+  std::function<std::string()> now;  ///< the time of day for the file; not set: the clock's
+};
+
+/// Labelling of one source by one author: frames at random access, changes with the hand model's help, labels
+/// that follow from verified neighbours, what to look at next. All that changes goes through the journal.
+/// Safe to call from many threads; `work` is meant for one that has time.
+class LabelSession {
+ public:
+  /// The source and the journal have to live as long.
+  LabelSession(const FrameSource& source, LabelJournal& journal, LabelSessionOptions options);
+  ~LabelSession();
+  LabelSession(const LabelSession&) = delete;
+  LabelSession& operator=(const LabelSession&) = delete;
+
+  const LabelHead& head() const { return journal_.book().head(); }
+
+  /// A frame with its labels; the first time it is estimated, where there is an estimator. Throws an Error
+  /// where there is no such frame or it cannot be read.
+  LabelledFrame frame(std::int64_t index);
+  /// The images alone. Throws an Error as `frame` does.
+  std::shared_ptr<const Frame> image(std::int64_t index) { return read(index); }
+  /// Does what a person asks for. Throws an Error where the frame cannot be read.
+  LabelAnswer apply(const LabelRequest& request);
+
+  /// One per frame of the source.
+  std::vector<FrameStanding> standings() const;
+  /// The frame whose correction would change most: its doubt, times the frames around it that would follow.
+  /// The next in time that is not verified where nothing is known; nothing where all are verified.
+  std::optional<std::int64_t> proposed(std::int64_t after) const;
+  /// Hands that were verified, and the seconds that persons worked on them, one per hand.
+  std::vector<double> seconds_of_verified() const;
+
+  /// Does a piece of what can wait: lets a frame follow its verified neighbours, estimates one, writes what
+  /// waits for the disk. Whether there was anything to do. Changed frames are told to `changed`.
+  bool work();
+  /// Called after each change, by the thread that made it, which holds the session: it may not ask it.
+  std::function<void(HandKey, std::int64_t)> changed;
+  /// Why labels are not on the disk; empty where they are. `waiting` says how many changes.
+  std::string fault() const;
+  std::size_t waiting() const;
+
+ private:
+  /// A frame's fit is kept as long as its labels stay.
+  struct KeptFit {
+    std::int64_t revision = 0;
+    LabelFit fit;
+    double doubt_mm = 0.0;
+  };
+
+  std::shared_ptr<const Frame> read(std::int64_t index);
+  void estimate(std::int64_t index, const Frame& frame);
+  std::vector<LabelChange> estimated(std::int64_t index, const Frame& frame) const;
+  LabelledFrame labelled(std::int64_t index, std::shared_ptr<const Frame> frame);
+  LabelledHand labelled_hand(HandKey hand, const HandHistory& history, const Frame& frame);
+  std::vector<ImagePoint> estimates_of(HandKey hand) const;
+  LabelFitContext context_of(HandKey hand) const;
+  std::optional<LabelFit> fitted(HandKey hand, const std::vector<LandmarkLabel>& labels, const Frame& frame,
+                                 const LabelFitContext& context) const;
+  LabelAnswer change_hand(const LabelRequest& request, const std::shared_ptr<const Frame>& frame);
+  void settle_depth(const LabelRequest& request, const Frame& frame,
+                    std::vector<LandmarkLabel>& labels) const;
+  LabelAnswer step_back(LabelAct act);
+  std::string changed_labels(const LabelRequest& request, const Frame& frame,
+                             std::vector<LandmarkLabel>& labels) const;
+  void commit(LabelChange change);
+  void learn_bones(HandKey hand, const Frame& frame);
+  void learn_all_bones();
+  void queue_neighbours(HandKey hand);
+  bool propagate_one();
+  void propagate(HandKey hand, const Frame& frame);
+  std::optional<LabelFitContext> from_neighbours(HandKey hand, std::vector<ImagePoint>& estimates) const;
+  bool estimate_one();
+  std::string now() const;
+  int sequence_of(std::int64_t index) const;
+
+  const FrameSource& source_;
+  LabelJournal& journal_;
+  LabelSessionOptions options_;
+  mutable std::mutex mutex_;
+  std::deque<std::pair<std::int64_t, std::shared_ptr<const Frame>>> frames_;  ///< the last that were read
+  std::map<HandKey, KeptFit> fits_;
+  std::map<std::pair<int, HandSide>, PersonBones> bones_;  ///< one per sequence and side
+  std::set<std::int64_t> looked_at_;                       ///< frames that were estimated, also in vain
+  std::deque<HandKey> to_propagate_;
+  std::int64_t next_estimate_ = 0;
+};
+
+}  // namespace knuckle

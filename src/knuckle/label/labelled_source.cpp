@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/label/labelled_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "knuckle/camera/projection.h"
+#include "knuckle/core/error.h"
+#include "knuckle/core/resources.h"
+#include "knuckle/data/defined_pose.h"
+
+namespace knuckle {
+namespace {
+
+bool has_labels(const HandHistory& history) {
+  return std::ranges::any_of(history.newest().landmarks,
+                             [](const LandmarkLabel& label) { return !label.at.is_missing(); });
+}
+
+}  // namespace
+
+LabelledSource::LabelledSource(const FrameSource& source, const LabelBook& book,
+                               const LabelledSourceOptions& options)
+    : source_(source),
+      book_(book),
+      options_(options),
+      target_(options.convention.value_or(book.head().convention)) {
+  const LabelHead& head = book.head();
+  if (source.size() != head.frames)
+    fail("the labels are of {} with {} frames, the source has {}", head.source, head.frames, source.size());
+  if (!(target_ == head.convention)) {
+    definition_ = shipped_definition(target_);
+    const bool is_empty = map_convention(head.convention, target_).shared.empty();
+    if (definition_) {
+      require_all_landmarks(head.convention, "the labels");
+    } else if (is_empty) {
+      fail("labels in {} say nothing of the landmarks of {}", head.convention.name, target_.name);
+    }
+  }
+  for (const auto& [hand, history] : book.hands()) {
+    if (options.side && *options.side != hand.side) continue;
+    if (!has_labels(history) || history.state() < options.least) continue;
+    const HandHistory*& chosen = chosen_[hand.frame];  // the right hand comes first
+    if (chosen == nullptr || chosen->state() < history.state()) chosen = &history;
+  }
+}
+
+HandPose LabelledSource::as_labelled(const LabelChange& change) const {
+  HandPose pose = HandPose::missing(book_.head().convention);
+  for (std::size_t i = 0; i < pose.joints.size(); ++i) {
+    const LandmarkLabel& label = change.landmarks[i];
+    if (label.is_visible || options_.keeps_hidden) pose.joints[i] = label.at;
+  }
+  return pose;
+}
+
+std::optional<LabelledSource::Truth> LabelledSource::truth_of(std::int64_t index,
+                                                              const Camera& camera) const {
+  const auto chosen = chosen_.find(index);
+  if (chosen == chosen_.end()) return std::nullopt;
+  const LabelChange& change = chosen->second->newest();
+  const HandPose pose = as_labelled(change);
+  if (definition_)
+    return Truth{defined_pose(*definition_, pose, Projection(camera), change.side), change.side};
+  return Truth{target_ == pose.convention ? pose : converted(pose, target_), change.side};
+}
+
+Frame LabelledSource::read(std::int64_t index) const {
+  Frame frame = source_.read(index);
+  frame.truth.reset();
+  frame.side.reset();
+  frame.hands.clear();
+  if (auto truth = truth_of(index, frame.camera)) {
+    frame.truth = std::move(truth->pose);
+    frame.side = truth->side;
+  }
+  return frame;
+}
+
+FrameLabel LabelledSource::read_label(std::int64_t index) const {
+  FrameLabel label = source_.read_label(index);
+  label.truth.reset();
+  label.side.reset();
+  if (auto truth = truth_of(index, label.camera)) {
+    label.truth = std::move(truth->pose);
+    label.side = truth->side;
+  }
+  return label;
+}
+
+std::optional<LandmarkDefinition> shipped_definition(const Convention& convention) {
+  const bool is_plain = std::ranges::all_of(
+      convention.landmarks, [](Landmark landmark) { return static_cast<int>(landmark) < kSupersetSize; });
+  const std::filesystem::path file = resource_path(fmt::format("landmarks/{}.toml", convention.name));
+  if (is_plain || !std::filesystem::exists(file)) return std::nullopt;
+  return LandmarkDefinition::load(file);
+}
+
+}  // namespace knuckle

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "knuckle/data/frame_source.h"
+#include "knuckle/hand/landmark_definition.h"
+#include "knuckle/label/label_book.h"
+
+namespace knuckle {
+
+/// Which labels a source is given, and how.
+struct LabelledSourceOptions {
+  LabelState least = LabelState::verified;    ///< hands that are less sure are left out
+  std::optional<HandSide> side = {};          ///< nothing: of a frame with both the surer one, else the right
+  bool keeps_hidden = true;                   ///< otherwise landmarks that are hidden are missing
+  std::optional<Convention> convention = {};  ///< of the truth; nothing: as it was labelled
+};
+
+/// A source with labels in place of its own truth: one hand per frame, none where the frame is not labelled.
+/// Landmarks of another convention are found as its definition says (landmarks/NAME.toml), where the program
+/// ships one, and by their names otherwise. Safe to read from many threads.
+class LabelledSource final : public FrameSource {
+ public:
+  /// Source and book have to live as long. Throws an Error where the source has another number of frames,
+  /// or the labels say nothing in the convention.
+  LabelledSource(const FrameSource& source, const LabelBook& book, const LabelledSourceOptions& options);
+
+  std::int64_t size() const override { return source_.size(); }
+  Frame read(std::int64_t index) const override;
+  FrameLabel read_label(std::int64_t index) const override;
+  std::optional<Convention> convention() const override { return target_; }
+  PixelOrigin pixel_origin() const override { return source_.pixel_origin(); }
+  /// Frames that have a hand.
+  std::int64_t labelled_count() const { return static_cast<std::int64_t>(chosen_.size()); }
+
+ private:
+  struct Truth {
+    HandPose pose;
+    HandSide side;
+  };
+  std::optional<Truth> truth_of(std::int64_t index, const Camera& camera) const;
+  HandPose as_labelled(const LabelChange& change) const;
+
+  const FrameSource& source_;
+  const LabelBook& book_;
+  LabelledSourceOptions options_;
+  Convention target_;
+  std::optional<LandmarkDefinition> definition_;       ///< where names do not say it
+  std::map<std::int64_t, const HandHistory*> chosen_;  ///< by frame
+};
+
+/// How a convention's landmarks lie on the hand, where it has landmarks that are none of the 22 and the
+/// program ships a definition of it; nothing otherwise.
+std::optional<LandmarkDefinition> shipped_definition(const Convention& convention);
+
+}  // namespace knuckle

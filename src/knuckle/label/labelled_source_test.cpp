@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/label/labelled_source.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/label/label_agreement.h"
+#include "knuckle/label/label_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::closing_hand_head;
+using testing::ClosingHand;
+using ::testing::HasSubstr;
+using testing::kLabelCamera;
+using testing::pose_of_points;
+
+LabelChange truth_as_labels(const ClosingHand& source, HandKey hand, LabelState state,
+                            double shift_px = 0.0) {
+  LabelChange change{.frame = hand.frame, .side = hand.side, .act = LabelAct::verify};
+  for (const ImagePoint& joint : pose_of_points(source.truth(hand.frame)).joints)
+    change.landmarks.push_back({.at = {joint.u + shift_px, joint.v, joint.depth_mm}, .state = state});
+  return change;
+}
+
+class LabelledSourceTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    book_.add(truth_as_labels(source_, {0}, LabelState::verified));
+    book_.add(truth_as_labels(source_, {1}, LabelState::corrected));
+    book_.add(truth_as_labels(source_, {1, HandSide::left}, LabelState::verified, 30.0));
+    book_.add(truth_as_labels(source_, {2}, LabelState::estimated));
+  }
+
+  ClosingHand source_{4};
+  LabelBook book_{closing_hand_head(4)};
+};
+
+TEST_F(LabelledSourceTest, VerifiedHandsAreTheTruth) {
+  const LabelledSource labelled(source_, book_, {});
+  EXPECT_EQ(labelled.labelled_count(), 2);
+  const Frame frame = labelled.read(0);
+  ASSERT_TRUE(frame.truth);
+  EXPECT_EQ(frame.side, HandSide::right);
+  EXPECT_NEAR(frame.truth->joints[5].u, pose_of_points(source_.truth(0)).joints[5].u, 1e-9);
+  EXPECT_EQ(labelled.read_label(0).truth->joints[5].u, frame.truth->joints[5].u);
+  EXPECT_EQ(labelled.read_label(1).side, HandSide::left) << "the surer hand of the frame";
+  EXPECT_FALSE(labelled.read(2).truth);
+  EXPECT_FALSE(labelled.read(3).truth);
+}
+
+TEST_F(LabelledSourceTest, LessSureHandsAndOneSideCanBeAskedFor) {
+  EXPECT_EQ(LabelledSource(source_, book_, {.least = LabelState::estimated}).labelled_count(), 3);
+  const LabelledSource right(source_, book_, {.least = LabelState::corrected, .side = HandSide::right});
+  EXPECT_EQ(right.labelled_count(), 2);
+  EXPECT_EQ(right.read_label(1).side, HandSide::right);
+}
+
+TEST_F(LabelledSourceTest, HiddenLandmarksCanBeLeftOut) {
+  LabelChange change = truth_as_labels(source_, {3}, LabelState::verified);
+  change.landmarks[7].is_visible = false;
+  book_.add(change);
+  EXPECT_FALSE(LabelledSource(source_, book_, {}).read_label(3).truth->joints[7].is_missing());
+  EXPECT_TRUE(
+      LabelledSource(source_, book_, {.keeps_hidden = false}).read_label(3).truth->joints[7].is_missing());
+}
+
+TEST_F(LabelledSourceTest, EveryConventionIsServed) {
+  const HandPose truth = pose_of_points(source_.truth(0));
+  for (const Convention& convention : conventions()) {
+    const LabelledSource labelled(source_, book_, {.convention = convention});
+    const HandPose pose = *labelled.read_label(0).truth;
+    EXPECT_EQ(pose.convention, convention);
+    EXPECT_FALSE(pose.is_missing()) << convention.name;
+    for (int i = 0; i < convention.size(); ++i) {
+      const Landmark landmark = convention.landmarks[static_cast<std::size_t>(i)];
+      if (static_cast<int>(landmark) >= kSupersetSize || shipped_definition(convention)) continue;
+      EXPECT_EQ(pose.joints[static_cast<std::size_t>(i)].u,
+                truth.joints[static_cast<std::size_t>(landmark)].u);
+    }
+  }
+}
+
+TEST_F(LabelledSourceTest, LabelsOfAnotherSourceAreRefused) {
+  const ClosingHand shorter(3);
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(shorter, book_, {}); }),
+              HasSubstr("4 frames, the source has 3"));
+}
+
+TEST(LabelAgreement, DistancesAreThoseInSpace) {
+  const ClosingHand source(3);
+  LabelBook one(closing_hand_head(3));
+  LabelBook other(closing_hand_head(3));
+  one.add(truth_as_labels(source, {0}, LabelState::verified));
+  other.add(truth_as_labels(source, {0}, LabelState::verified, 2.0));
+  one.add(truth_as_labels(source, {1}, LabelState::verified));
+  other.add(truth_as_labels(source, {1}, LabelState::corrected));
+  one.add(truth_as_labels(source, {2}, LabelState::verified));
+  const auto camera_of = [](std::int64_t) { return kLabelCamera; };
+  const LabelAgreement agreement = agreement_of(one, other, LabelState::verified, camera_of);
+  EXPECT_EQ(agreement.hands, 1);
+  EXPECT_EQ(agreement.all.hands, kSupersetSize);
+  const double depth = pose_of_points(source.truth(0)).joints[3].depth_mm;
+  EXPECT_NEAR(agreement.landmarks[3].mean_mm, 2.0 * depth / kLabelCamera.fx, 1e-6);
+  EXPECT_GE(agreement.all.largest_mm, agreement.all.mean_mm);
+  EXPECT_EQ(agreement_of(one, other, LabelState::corrected, camera_of).hands, 2);
+  EXPECT_EQ(agreement_of(one, one, LabelState::verified, camera_of).all.largest_mm, 0.0);
+  LabelBook longer(closing_hand_head(9));
+  EXPECT_THAT(testing::error_of([&] { (void)agreement_of(one, longer, LabelState::verified, camera_of); }),
+              HasSubstr("cannot be compared"));
+}
+
+}  // namespace
+}  // namespace knuckle

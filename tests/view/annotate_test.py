@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`knuckle annotate` and `knuckle labels` as programs see them: kills, a full disk, labels that are wrong, round trips.
+
+    annotate_test.py KNUCKLE LIVE_CLIENT [KILLS]
+"""
+import json
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+from live_program import PROJECT, program, skip_without_server
+
+SOURCE = "synthetic:manifests/demo.toml?count=3"
+KILLS = int(sys.argv.pop()) if len(sys.argv) > 3 else 8
+LONGEST_S = 60
+
+
+def run(*arguments):
+    return subprocess.run([program(), *arguments], cwd=PROJECT, capture_output=True, text=True, check=False)
+
+
+class Annotate:
+    """A running program; `with` ends it."""
+
+    def __init__(self, labels, *arguments, source=SOURCE, most_bytes=None):
+        def prepare():
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            if most_bytes:  # files may grow no longer, as on a full disk
+                resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, resource.RLIM_INFINITY))
+
+        self.errors = tempfile.NamedTemporaryFile("w")
+        self.process = subprocess.Popen([program(), "annotate", "--source", source, "--labels", str(labels), "--port", "0", *arguments],
+                                        cwd=PROJECT, stdout=subprocess.PIPE, stderr=self.errors, text=True, preexec_fn=prepare)
+        end = time.monotonic() + LONGEST_S
+        while not (found := re.search(r"annotate: (http://\S+/)\n", self.said())):
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise AssertionError(f"no address: {self.said()}")
+            time.sleep(0.02)
+        self.address = found[1]
+
+    def said(self):
+        return pathlib.Path(self.errors.name).read_text()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            self.process.wait(LONGEST_S)
+        self.process.stdout.close()
+
+    def post(self, change, **fields):
+        """Status and answer, parsed where it is JSON."""
+        body = change if isinstance(change, bytes) else json.dumps(change).encode()
+        request = urllib.request.Request(self.address + "api/labels", data=body, headers=fields, method="POST")
+        try:
+            with urllib.request.urlopen(request, timeout=LONGEST_S) as answer:
+                return answer.status, json.load(answer)
+        except urllib.error.HTTPError as refusal:
+            text = refusal.read().decode()
+            return refusal.code, json.loads(text) if text.startswith("{") else text
+
+    def place(self, revision, **more):
+        return self.post({"act": "move", "frame": 0, "side": "right", "revision": revision, "landmark": "wrist",
+                          "point_mm": [revision % 50, 10, 500], "model": False, **more})
+
+
+def lines_of(file):
+    return file.read_text().splitlines() if file.exists() else []
+
+
+class AnnotateTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.labels = self.folder / "labels"
+        self.file = self.labels / "labels.jsonl"
+
+    def assert_refused(self, run_, *parts):
+        self.assertEqual(run_.returncode, 1, run_.stderr)
+        self.assertEqual(len(run_.stderr.splitlines()), 1, run_.stderr)
+        for part in parts:
+            self.assertIn(part, run_.stderr)
+
+    def annotate_refused(self, *parts, source=SOURCE, arguments=()):
+        refused = subprocess.run([program(), "annotate", "--source", source, "--labels", str(self.labels), "--port", "0", *arguments],
+                                 cwd=PROJECT, capture_output=True, text=True, check=False, timeout=LONGEST_S)
+        self.assert_refused(refused, *parts)
+
+    def test_kills_at_random_lose_no_accepted_change(self):
+        chance = random.Random(4)
+        accepted = 0
+        for _ in range(KILLS):
+            with Annotate(self.labels) as annotate:
+                revision = max(0, len(lines_of(self.file)) - 1)
+                self.assertGreaterEqual(revision, accepted, "an accepted change is lost")
+                self.assertLessEqual(revision, accepted + 1, "at most one was on its way")
+                killer = threading.Timer(chance.uniform(0.05, 0.5), annotate.process.kill)
+                killer.start()
+                try:
+                    while True:
+                        status, answer = annotate.place(revision)
+                        self.assertEqual(status, 200, answer)
+                        revision = accepted = answer["labels"][0]["revision"]
+                except (urllib.error.URLError, ConnectionError, OSError):
+                    pass
+                killer.join()
+                annotate.process.wait(LONGEST_S)
+        self.assertGreater(accepted, 0)
+        print(f"{KILLS} kills, {accepted} changes accepted", flush=True)
+
+    def test_on_a_full_disk_work_waits_in_memory_and_is_said(self):
+        with Annotate(self.labels, most_bytes=4096) as annotate:
+            revision, fault = 0, ""
+            while not fault:
+                status, answer = annotate.place(revision)
+                self.assertEqual(status, 200)
+                revision, fault = answer["labels"][0]["revision"], answer["fault"]
+            self.assertIn("labels.jsonl: cannot write", fault)
+            self.assertEqual(answer["waiting"], 1)
+            self.assertEqual(self.file.read_text()[-1], "\n", "nothing half-written")
+            resource.prlimit(annotate.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+            end = time.monotonic() + LONGEST_S
+            while len(lines_of(self.file)) != revision + 1 and time.monotonic() < end:
+                time.sleep(0.05)
+            self.assertEqual(len(lines_of(self.file)), revision + 1, "written once there is room")
+            self.assertEqual(annotate.place(revision)[1]["fault"], "")
+
+    def test_what_is_lost_with_the_end_of_the_program_is_said(self):
+        with Annotate(self.labels, most_bytes=2048) as annotate:
+            for revision in range(5):
+                annotate.place(revision)
+            annotate.process.send_signal(signal.SIGINT)
+            self.assertEqual(annotate.process.wait(LONGEST_S), 1)
+            self.assertIn("changes are lost", annotate.said().splitlines()[-1])
+
+    def test_labels_that_are_wrong_end_in_one_line(self):
+        with Annotate(self.labels) as annotate:
+            for revision in range(3):
+                annotate.place(revision)
+        good = self.file.read_text()
+        lines = good.splitlines()
+        self.file.write_text("\n".join([lines[0], lines[1].replace('"act"', '"acts"'), *lines[2:]]) + "\n")
+        self.annotate_refused("labels.jsonl:2", "unknown key 'acts'")
+        self.file.write_text("\n".join([lines[0], *lines[2:]]) + "\n")
+        self.annotate_refused("labels.jsonl:2", "revision 2 of the right hand of frame 0, expected 1")
+        self.file.write_text(good)
+        self.annotate_refused("3 frames", source="synthetic:manifests/demo.toml?count=2")
+        self.annotate_refused("--convention knuckle22", arguments=["--convention", "icg20"])
+        self.file.write_text(good.replace('"fingerprint":"', '"fingerprint":"0'))
+        self.annotate_refused("have changed", "--accept-changed-source")
+        with Annotate(self.labels, "--accept-changed-source") as annotate:
+            self.assertEqual(annotate.place(3)[0], 200)
+            self.annotate_refused("another program writes these labels")
+        shutil.rmtree(self.labels)
+        self.labels.write_text("a file")
+        self.annotate_refused(str(self.labels))
+        self.annotate_refused("author", arguments=["--author", "../x"])
+
+    def test_messages_that_are_wrong_change_nothing(self):
+        with Annotate(self.labels) as annotate:
+            self.assertEqual(annotate.place(0)[0], 200)
+            for body, status in [(b"{", 400), (b"x" * 5000, 413), (b'{"act":"verify","frame":3,"side":"right","revision":1}', 400),
+                                 (b'{"act":"verify","frame":0,"side":"right","revision":0}', 409)]:
+                self.assertEqual(annotate.post(body)[0], status, body)
+            self.assertEqual(annotate.place(1, frame=7)[0], 400)
+            self.assertEqual(annotate.post({"act": "undo"}, Origin="http://example.org")[0], 403)
+            self.assertEqual(annotate.post({"act": "undo"}, Host="example.org")[0], 403)
+        self.assertEqual(len(lines_of(self.file)), 2)
+
+    def test_authors_are_apart_and_compared(self):
+        for author, place_mm in [("ann", 0), ("bea", 3)]:
+            with Annotate(self.labels, "--author", author) as annotate:
+                annotate.place(0, point_mm=[place_mm, 10, 500])
+                annotate.post({"act": "verify", "frame": 0, "side": "right", "revision": 1})
+        compared = run("labels", "compare", "--labels", str(self.labels), "--authors", "ann", "bea")
+        self.assertEqual(compared.returncode, 0, compared.stderr)
+        self.assertRegex(compared.stdout, r"wrist +1 +3\.00 +3\.00")
+        self.assert_refused(run("labels", "compare", "--labels", str(self.labels), "--authors", "ann", "cid"), "labels.cid.jsonl")
+
+    def test_what_is_exported_is_read_again_as_it_was(self):
+        """Largest distance of a round trip [mm]; 0.01 px at 500 mm are 0.01 mm at least."""
+        for convention, formats in [("knuckle22", ["folder", "h5", "poses"]), ("icg20", ["folder", "icg"]), ("mediapipe21", ["folder", "h5"]),
+                                    ("msra21", ["folder", "poses"]), ("hands21", ["folder"])]:
+            labels = self.folder / f"labels_{convention}"
+            common = ["--labels", str(labels), "--convention", convention]
+            imported = run("labels", "import", "--source", SOURCE, *common, "--author", "truth")
+            self.assertEqual(imported.returncode, 0, imported.stderr)
+            for kind in formats:
+                out = self.folder / f"{convention}_{kind}{ {'h5': '.h5', 'poses': '.txt'}.get(kind, '') }"
+                exported = run("labels", "export", "--source", SOURCE, *common, "--author", "truth", "--format", kind, "--out", str(out))
+                self.assertEqual(exported.returncode, 0, f"{convention} {kind}: {exported.stderr}")
+                source = ["--source", SOURCE, "--poses", str(out)] if kind == "poses" else ["--source", f"{kind}:{out}"]
+                read = run("labels", "import", *source, *common, "--author", kind)
+                self.assertEqual(read.returncode, 0, f"{convention} {kind}: {read.stderr}")
+                compared = run("labels", "compare", "--labels", str(labels), "--authors", "truth", kind)
+                self.assertEqual(compared.returncode, 0, compared.stderr)
+                largest_mm = float(re.search(r"^all +\d+ +[\d.]+ +([\d.]+)", compared.stdout, re.MULTILINE)[1])
+                self.assertLessEqual(largest_mm, 0.01, f"{convention} {kind}")
+
+
+if __name__ == "__main__":
+    skip_without_server()
+    unittest.main(argv=sys.argv[:1], verbosity=2)

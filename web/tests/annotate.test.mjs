@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page for labelling before the real `knuckle annotate`. $KNUCKLE_PROGRAM is the program.
+import assert from "node:assert/strict";
+import { readFileSync, rmSync, mkdtempSync, existsSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, afterEach, before, test } from "node:test";
+import { Annotate, correctFarthest, dragTo, errorOf, normals, openFrame, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
+import { launch } from "./browser.mjs";
+
+const program = process.env.KNUCKLE_PROGRAM;
+const skip = program ? false : "no $KNUCKLE_PROGRAM";
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const kFrames = 6;
+let browser, folder, source, truth;
+const opened = [];
+
+before(async () => {
+  if (!program) return;
+  folder = mkdtempSync(join(tmpdir(), "knuckle-annotate-"));
+  runProgram(program, ["render", "--manifest", "manifests/test_scenes.toml", "--count", String(kFrames), "--format", "folder", "--out", join(folder, "scenes")]);
+  source = `folder:${join(folder, "scenes")}`;
+  truth = truthOf(join(folder, "scenes"));
+  browser = await launch();
+});
+
+afterEach(async () => {
+  for (const one of opened.splice(0)) await one();
+});
+
+after(async () => {
+  if (!program) return;
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+let sets = 0;
+
+/** The program with labels of its own; `labels` goes on with some. */
+async function annotate({ labels = `labels${++sets}`, prelabel = true, more = [] } = {}) {
+  const args = ["--source", source, "--labels", join(folder, labels), ...(prelabel ? ["--prelabel", "pipelines/default.toml"] : []), ...more];
+  const knuckle = await Annotate.start(program, args);
+  opened.push(async () => { if (knuckle.process.exitCode === null && knuckle.process.signalCode === null) await knuckle.stop(); });
+  return { ...knuckle, process: knuckle.process, stop: (signal) => knuckle.stop(signal), address: knuckle.address, file: join(folder, labels, "labels.jsonl") };
+}
+
+async function pageAt(address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  const page = await context.newPage();
+  page.faults = [];
+  page.on("console", (message) => { if (message.type() === "error" && !/409/.test(message.text())) page.faults.push(message.text()); });
+  page.on("pageerror", (error) => page.faults.push(String(error)));
+  opened.unshift(() => context.close());
+  await page.goto(address);
+  await page.waitForFunction(() => globalThis.knuckle?.header() !== null, null, { timeout: 60_000 });
+  await quiet(page);
+  return page;
+}
+
+const linesOf = (file) => readFileSync(file, "utf8").trim().split("\n").slice(1).map((line) => JSON.parse(line));
+const says = (page, selector, pattern) => page.waitForFunction(
+  ([where, text]) => new RegExp(text).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source], { timeout: 20_000 });
+
+test("a landmark is dragged onto its pixel, and the file has it", { skip }, async () => {
+  const { address, file } = await annotate();
+  const page = await pageAt(address);
+  const names = Object.keys((await shown(page)).hands[0].landmarks_px);
+  const tip = names.indexOf("middle_tip");
+  await dragTo(page, "middle_tip", truth[0][tip].slice(0, 2));
+  const { hands, labels } = await shown(page);
+  assert.equal(labels[0].landmarks.middle_tip.state, "corrected");
+  assert.ok(Math.hypot(...hands[0].landmarks_px.middle_tip.map((value, i) => value - truth[0][tip][i])) < 0.6, "within a pixel of the screen");
+  const last = linesOf(file).filter((line) => line.frame === 0).at(-1);
+  assert.equal(last.act, "correct");
+  assert.equal(last.landmarks.middle_tip[0], "corrected");
+  assert.ok(last.seconds > 0);
+  assert.deepEqual(page.faults, []);
+});
+
+test("corrections with a tremble bring the hand nearer to the truth", { skip }, async (t) => {
+  const { address } = await annotate();
+  const page = await pageAt(address);
+  const normal = normals(7);
+  let before = 0, after = 0;
+  for (let frame = 0; frame < 3; ++frame) {
+    await openFrame(page, frame);
+    before += errorOf(await shown(page), truth[frame]) / 3;
+    for (let i = 0; i < 4 && (await correctFarthest(page, truth[frame], normal)); ++i);
+    after += errorOf(await shown(page), truth[frame]) / 3;
+  }
+  t.diagnostic(`${before.toFixed(2)} mm before, ${after.toFixed(2)} mm after`);
+  assert.ok(after < before, `${before} mm before, ${after} mm after`);
+});
+
+test("keys: fine steps, visibility, undo and redo without end, verify and go on", { skip }, async () => {
+  const { address, file } = await annotate();
+  const page = await pageAt(address);
+  const px = async () => (await shown(page)).hands[0].landmarks_px.wrist;
+  const before = await px();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("+");
+  await quiet(page);
+  const moved = await px();
+  assert.ok(Math.abs(moved[0] - before[0] - 2) < 0.05 && Math.abs(moved[1] - before[1]) < 0.05, `${before} to ${moved}`);
+  const revisions = linesOf(file).filter((line) => line.frame === 0).length;
+  assert.equal(revisions, 6);
+  const was = (await shown(page)).labels[0].landmarks.wrist.visible;
+  await page.keyboard.press("h");
+  await quiet(page);
+  assert.equal((await shown(page)).labels[0].landmarks.wrist.visible, !was);
+  for (let i = 0; i < 6; ++i) await page.keyboard.press("z");
+  await quiet(page);
+  assert.deepEqual(await px(), before);
+  await page.keyboard.press("z");
+  await says(page, "#notices", /nothing to undo/);
+  for (let i = 0; i < 6; ++i) await page.keyboard.press("y");
+  await quiet(page);
+  assert.deepEqual(await px(), moved);
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => globalThis.knuckle.frame() === 1);
+  assert.equal(linesOf(file).filter((line) => line.frame === 0).at(-1).act, "verify");
+  await page.keyboard.press(",");
+  await page.waitForFunction(() => globalThis.knuckle.frame() === 0 && globalThis.knuckle.labels()[0].state === "verified");
+  await says(page, "#progress", /^1 of 6 frames/);
+});
+
+test("a landmark is dragged in the points, in the screen's plane", { skip }, async () => {
+  const { address } = await annotate();
+  const page = await pageAt(address);
+  await page.click("[data-look=side]");
+  const before = (await shown(page)).hands[0].landmarks_mm.thumb_tip;
+  await page.locator("#landmarks button", { hasText: /^thumb tip$/ }).click();
+  const box = await page.locator("#cloud").boundingBox();
+  const at = await page.evaluate(() => globalThis.knuckle.cloudAt(globalThis.knuckle.header().record.hands[0].landmarks_mm.thumb_tip));
+  await page.mouse.move(box.x + at[0], box.y + at[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + at[0] + 30, box.y + at[1], { steps: 3 });
+  await page.mouse.up();
+  await quiet(page);
+  const { hands, labels } = await shown(page);
+  const moved = hands[0].landmarks_mm.thumb_tip.map((value, i) => value - before[i]);
+  assert.equal(labels[0].landmarks.thumb_tip.state, "corrected");
+  assert.ok(Math.abs(moved[2]) > 3 * Math.abs(moved[1]) && Math.abs(moved[2]) > 1.5 * Math.abs(moved[0]), `seen from the side it moves in depth: ${moved}`);
+});
+
+test("two pages on the same frame: the second is told", { skip }, async () => {
+  const { address, file } = await annotate();
+  const first = await pageAt(address);
+  const second = await pageAt(address);
+  await first.keyboard.press("ArrowRight");
+  await quiet(first);
+  await says(second, "#notices", /changed elsewhere/);
+  await second.waitForFunction(() => globalThis.knuckle.labels()[0].revision === 2);
+  // Both at once: one is accepted, the other is told and sees how it stands.
+  await Promise.all([first.keyboard.press("v"), second.keyboard.press("ArrowDown")]);
+  await Promise.all([quiet(first), quiet(second)]);
+  await first.waitForTimeout(500);
+  const revision = (page) => page.evaluate(() => globalThis.knuckle.labels()[0].revision);
+  assert.equal(await revision(first), await revision(second));
+  const revisions = linesOf(file).filter((line) => line.frame === 0).map((line) => line.revision);
+  assert.deepEqual(revisions, revisions.map((_, i) => i + 1));
+});
+
+test("a hand is labelled from nothing, by clicks", { skip }, async () => {
+  const { address } = await annotate({ prelabel: false });
+  const page = await pageAt(address);
+  await says(page, "#empty", /No right hand is labelled/);
+  const names = await page.locator("#landmarks button").allInnerTexts();
+  assert.equal(names.length, 22);
+  for (const name of ["wrist", "index_mcp", "little_mcp", "middle_tip"]) {
+    await dragTo(page, name, truth[0][names.indexOf(name.replaceAll("_", " "))].slice(0, 2));
+  }
+  const { hands, labels } = await shown(page);
+  assert.equal(Object.values(hands[0].landmarks_px).filter(Boolean).length, 22, "the model gives the others");
+  assert.equal(Object.values(labels[0].landmarks).filter((one) => one.state === "corrected").length, 4);
+  assert.deepEqual(page.faults, []);
+});
+
+test("killed at random while labels change: no accepted change is lost", { skip }, async () => {
+  const labels = "killed";
+  let accepted = 0;
+  for (let round = 0; round < 3; ++round) {
+    const { address, process: knuckle, stop, file } = await annotate({ labels });
+    let isAlive = true;
+    const ended = new Promise((done) => knuckle.on("exit", () => { isAlive = false; done(); }));
+    const post = (body) => fetch(`${address}api/labels`, { method: "POST", body: JSON.stringify(body) });
+    await fetch(`${address}api/frame?index=0`);
+    let revision = linesOf(file).filter((line) => line.frame === 0).length;
+    assert.ok(revision >= accepted, `${revision} in the file, ${accepted} were accepted`);
+    setTimeout(() => void stop("SIGKILL"), 200 + 150 * round);
+    while (isAlive) {
+      try {
+        const answer = await post({ act: "place", frame: 0, side: truthSide(file), revision, landmark: "wrist", pixel: [100 + (revision % 50), 100] });
+        if (answer.status === 200) revision = (await answer.json()).labels[0].revision;
+        accepted = Math.max(accepted, revision);
+      } catch {
+        // it is dead
+      }
+    }
+    await ended;
+  }
+  assert.ok(accepted > 3);
+  runProgram(program, ["labels", "export", "--source", source, "--labels", join(folder, labels), "--state", "corrected", "--format", "poses", "--out", join(folder, "killed.txt")]);
+  assert.ok(existsSync(join(folder, "killed.txt")));
+});
+
+function truthSide(file) {
+  return linesOf(file).find((line) => line.frame === 0).side;
+}
+
+for (const [width, height] of [[1440, 900], [1024, 700], [360, 740]]) {
+  for (const colorScheme of ["light", "dark"]) {
+    test(`${width} px wide, ${colorScheme}`, { skip }, async () => {
+      const { address } = await annotate();
+      const page = await pageAt(address, { viewport: { width, height }, colorScheme, reducedMotion: "reduce" });
+      const seriousFaults = async () => {
+        await page.evaluate(axe);
+        const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+        return violations.filter(({ impact }) => ["serious", "critical"].includes(impact)).map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`);
+      };
+      assert.deepEqual(await seriousFaults(), []);
+      const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.ok(overflow <= 0, `${overflow} px stick out to the right`);
+      await page.keyboard.press("?");
+      assert.deepEqual(await seriousFaults(), []);
+      assert.ok(await page.locator("#shortcuts tr").count() > 20);
+      await page.keyboard.press("Escape");
+      assert.deepEqual(page.faults, []);
+    });
+  }
+}
