@@ -79,6 +79,7 @@ class OwnDataTest : public NetworkTest {
     EXPECT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--count", "6", "--format",
                              "folder", "--out", path("mine")}),
                 Succeeded());
+    write_text_file(path("mine/sequences.txt"), "0\n2\n4\n");
   }
 
   std::string configuration(const std::string& first = "folder:mine") const {

@@ -174,7 +174,8 @@ TEST_F(NetworkSamplesTest, OfAPartOfASetTheMostAreSpreadOverThatPart) {
 
 TEST_F(NetworkSamplesTest, LandmarksAreFoundByTheirNames) {
   options_.convention = convention_from_name("nyu14");
-  const CubeSample sample = samples(1).samples.sample(0);
+  const NetworkSamples made = samples(1);
+  const CubeSample sample = made.samples.sample(0);
   const Convention nyu = options_.convention;
   for (int j = 0; j < nyu.size(); ++j) {
     const bool is_labelled = nyu.landmarks[static_cast<std::size_t>(j)] == Landmark::palm ||

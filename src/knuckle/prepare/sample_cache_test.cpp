@@ -117,6 +117,9 @@ TEST_F(SampleCacheTest, MakesOthersWhereAnythingDiffersButTheManifestsPlace) {
   options_.side = HandSide::left;
   samples();
   EXPECT_EQ(files().size(), 11u);
+  std::string manifest = read_text_file(folder_ / "demo.toml");
+  manifest.replace(manifest.find("sequence_frames = 0"), 19, "sequence_frames = 2");
+  write_text_file(folder_ / "demo.toml", manifest);
   options_.holdout = {0.5, Holdout::Part::validation};
   samples();
   EXPECT_EQ(files().size(), 12u);

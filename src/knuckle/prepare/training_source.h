@@ -24,7 +24,7 @@ namespace knuckle {
 ///     source = "synthetic:../manifests/train_network.toml"
 ///     weight = 3.0                  # three of four samples are its
 struct TrainingSource {
-  std::string source;  ///< as `open_source` takes it
+  std::string source = {};  ///< as `open_source` takes it
   /// The set's part of the samples, against the other sets' weights and whatever the sets' sizes, [0.001,
   /// 1000].
   double weight = 1.0;

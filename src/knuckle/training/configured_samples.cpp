@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <span>
 #include <utility>
 
@@ -166,7 +165,7 @@ std::vector<Landmark> unknown_landmarks(const NetworkTrainingConfig& config,
   std::vector<bool> known(convention.landmarks.size(), false);
   for (const SetSamples& set : samples.sets) {
     const std::vector<bool> of_set = known_joints(set.hands.samples);
-    std::ranges::transform(known, of_set, known.begin(), std::logical_or<>());
+    for (std::size_t j = 0; j < known.size(); ++j) known[j] = known[j] || of_set[j];
   }
   std::vector<Landmark> unknown;
   for (std::size_t j = 0; j < known.size(); ++j) {

@@ -44,7 +44,9 @@ TEST(SampleDealer, CountsFarPlacesExactly) {
   const SampleDealer::Dealt first = dealer.at(far);
   for (std::int64_t place = far; place < far + 8; ++place) {
     const SampleDealer::Dealt to = dealer.at(place);
-    if (to.group == first.group) EXPECT_LE(to.number - first.number, place - far);
+    if (to.group == first.group) {
+      EXPECT_LE(to.number - first.number, place - far);
+    }
   }
   EXPECT_NEAR(static_cast<double>(dealer.at(far + 3).number) / static_cast<double>(far),
               dealer.at(far + 3).group == 0 ? 0.25 : 0.75, 1e-6);
