@@ -18,9 +18,9 @@ using ::testing::UnorderedElementsAre;
 
 const std::string kSources =
     "source = 'synthetic:{0}?count=12'\nvalidation = 'synthetic:{0}?first=12&count=4'\n";
-const std::string kSmall =
-    "start = 'truth'\n[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n"
-    "[network]\nconvention = 'icg20'\n";
+const std::string kSmallTables =
+    "[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n[network]\nconvention = 'icg20'\n";
+const std::string kSmall = "start = 'truth'\n" + kSmallTables;
 const std::string kDense =
     "architecture = 'dense'\nstem_channels = 4\nquarter_channels = 8\neighth_channels = 8\n"
     "sixteenth_channels = 8\nhead_channels = 8\n";
@@ -85,14 +85,11 @@ class OwnDataTest : public NetworkTest {
   std::string configuration(const std::string& first = "folder:mine") const {
     return "start = 'truth'\n[[source]]\nsource = '" + first +
            "'\nweight = 3\nholdout = 0.4\n[[source]]\nsource = '" + synthetic() + "?first=6&count=10'\n" +
-           kTables + kDense + kTraining;
+           kSmallTables + kDense + kTraining;
   }
   static std::string synthetic() {
     return "synthetic:" + std::filesystem::absolute("manifests/demo.toml").string();
   }
-
-  static constexpr std::string_view kTables =
-      "[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n[network]\nconvention = 'icg20'\n";
 };
 
 TEST_F(OwnDataTest, IsMixedWithOthersAndGoesOnToTheSameBytes) {
