@@ -133,6 +133,17 @@ TEST_F(OwnDataTest, OfWhichASetIsEmptyIsNamed) {
   EXPECT_THAT(train(configuration()), FailedWith("mine"));
 }
 
+TEST_F(OwnDataTest, WithoutSomeLandmarksIsLearnedWithAWarning) {
+  std::string toml = configuration();
+  toml.replace(toml.find("icg20"), 5, "nyu14");
+  const std::size_t second = toml.find("[[source]]", toml.find("[[source]]") + 1);
+  toml.erase(second, toml.find("[patch]") - second);
+  const ProgramRun run = train(toml);
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.error, AllOf(HasSubstr("warning: no sample labels nyu_"), Not(HasSubstr("little_tip"))));
+  EXPECT_THAT(run.out, Not(HasSubstr("nan")));
+}
+
 TEST_F(OwnDataTest, BeginsWithAnotherNetworkAndEndsEarly) {
   ASSERT_THAT(train(configuration()), Succeeded());
   std::filesystem::rename(path("net.pt"), path("first.pt"));

@@ -134,6 +134,12 @@ void print_early_end(const std::vector<TrainingMetrics>& metrics, const NetworkT
     fmt::print("ended early: {} validations were no better than the best (patience)\n", options.patience);
 }
 
+void warn_of_unknown(const std::vector<Landmark>& landmarks) {
+  std::vector<std::string> names;
+  for (const Landmark landmark : landmarks) names.emplace_back(name_of(landmark));
+  fmt::print(stderr, "warning: no sample labels {}: the network learns nothing of it\n", joined(names));
+}
+
 /// Shows what a network would be trained on.
 void check_pose_network(const NetworkArguments& arguments, const NetworkTrainingConfig& config) {
   const TrainingCheck check = check_network_training(config);
@@ -153,14 +159,8 @@ void train_pose_network(const NetworkArguments& arguments) {
   const NetworkTrainingRun run = run_of(arguments, pose_networks());
   write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
-  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache);
+  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache, warn_of_unknown);
   print_early_end(result.metrics, config.training);
-  if (!result.unknown_landmarks.empty()) {
-    std::vector<std::string> names;
-    for (const Landmark landmark : result.unknown_landmarks) names.emplace_back(name_of(landmark));
-    fmt::print(stderr, "warning: no sample labels {}: the network has learned nothing of it\n",
-               joined(names));
-  }
   fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
              result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
              watch.milliseconds() / 1000.0, arguments.out.string());

@@ -92,14 +92,17 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
 }
 
 NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, const NetworkTrainingRun& run,
-                                           const std::filesystem::path& cache) {
+                                           const std::filesystem::path& cache,
+                                           const TakeUnknownLandmarks& unknown) {
   check_sources(config);
   const ConfiguredSamples samples = configured_samples(config, cache);
+  const std::vector<Landmark> landmarks = unknown_landmarks(config, samples);
+  if (unknown && !landmarks.empty()) unknown(landmarks);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
   return {train_network(config.network, config.training, config.augmentation, samples.crops(),
                         samples.validation.samples, begun),
-          samples.frames(), samples.validation.frames, unknown_landmarks(config, samples)};
+          samples.frames(), samples.validation.frames};
 }
 
 }  // namespace knuckle

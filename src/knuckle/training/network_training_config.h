@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -66,13 +67,17 @@ struct NetworkTrainingResult {
   std::vector<TrainingMetrics> metrics;
   SampleFrames frames;  ///< of all sets
   SampleFrames validation_frames;
-  std::vector<Landmark> unknown_landmarks;  ///< no sample knows them: nothing of them was learned
 };
 
+/// Is told, before a training begins, the landmarks of the network that no sample of any set knows.
+using TakeUnknownLandmarks = std::function<void(const std::vector<Landmark>&)>;
+
 /// Cuts samples out of all sources, or takes them from the folder `cache` (SampleCache; empty: none), and
-/// trains. Throws an Error where a source has no truth or no landmark that the network learns, no frame of it
-/// can be used, or the samples take more memory than they may.
+/// trains. `unknown` is called where there are landmarks of which nothing can be learned; may be empty.
+/// Throws an Error where a source has no truth or no landmark that the network learns, no frame of it can be
+/// used, or the samples take more memory than they may.
 NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, const NetworkTrainingRun& run,
-                                           const std::filesystem::path& cache = {});
+                                           const std::filesystem::path& cache = {},
+                                           const TakeUnknownLandmarks& unknown = {});
 
 }  // namespace knuckle
