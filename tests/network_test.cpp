@@ -18,9 +18,9 @@ using ::testing::UnorderedElementsAre;
 
 const std::string kSources =
     "source = 'synthetic:{0}?count=12'\nvalidation = 'synthetic:{0}?first=12&count=4'\n";
-const std::string kSmall =
-    "start = 'truth'\n[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n"
-    "[network]\nconvention = 'icg20'\n";
+const std::string kSmallTables =
+    "[patch]\nmode = 'cube'\nsize_px = 32\n[samples]\ncrop_px = 48\n[network]\nconvention = 'icg20'\n";
+const std::string kSmall = "start = 'truth'\n" + kSmallTables;
 const std::string kDense =
     "architecture = 'dense'\nstem_channels = 4\nquarter_channels = 8\neighth_channels = 8\n"
     "sixteenth_channels = 8\nhead_channels = 8\n";
@@ -60,6 +60,101 @@ TEST_F(NetworkTest, ADeviceThatIsNotThereIsSaidBeforeAnythingIsDone) {
               FailedWith("device is \"abacus\", expected cpu or cuda"));
   EXPECT_EQ(read_text_file(path("net.pt.checkpoint")), "of an earlier training");
   EXPECT_THAT(entries_of(folder_.path()), UnorderedElementsAre("net.pt.checkpoint", "train.toml"));
+}
+
+TEST_F(NetworkTest, AMachineWithoutTheDeviceSaysSoBeforeItReadsAnything) {
+  const ProgramRun run = run_program(
+      {"train", "network", "--config", path("none.toml"), "--out", path("net.pt"), "--device", "cuda"});
+  if (run.error.find("device cuda") == std::string::npos) {
+    EXPECT_THAT(run, FailedWith("none.toml")) << "it has one";
+  } else {
+    EXPECT_THAT(run, FailedWith("--device cpu"));
+  }
+}
+
+/// Two sets of rendered frames, the first four of which are a folder of one's own.
+class OwnDataTest : public NetworkTest {
+ protected:
+  OwnDataTest() {
+    EXPECT_THAT(run_program({"render", "--manifest", "manifests/demo.toml", "--count", "6", "--format",
+                             "folder", "--out", path("mine")}),
+                Succeeded());
+    write_text_file(path("mine/sequences.txt"), "0\n2\n4\n");
+  }
+
+  std::string configuration(const std::string& first = "folder:mine") const {
+    return "start = 'truth'\n[[source]]\nsource = '" + first +
+           "'\nweight = 3\nholdout = 0.4\n[[source]]\nsource = '" + synthetic() + "?first=6&count=10'\n" +
+           kSmallTables + kDense + kTraining;
+  }
+  static std::string synthetic() {
+    return "synthetic:" + std::filesystem::absolute("manifests/demo.toml").string();
+  }
+};
+
+TEST_F(OwnDataTest, IsMixedWithOthersAndGoesOnToTheSameBytes) {
+  ASSERT_THAT(train(configuration(), {"--cache", path("cache")}), Succeeded());
+  const std::string model = read_text_file(path("net.pt"));
+  EXPECT_THAT(entries_of(path("cache")), SizeIs(3)) << "each set, and what is held out";
+  EXPECT_THAT(entries_of(folder_.path()), AllOf(Contains("net_curves.svg"), Contains("net_curves.png")));
+  EXPECT_THAT(train(configuration(), {"--resume"}), Succeeded());
+  EXPECT_TRUE(read_text_file(path("net.pt")) == model);
+  std::filesystem::remove(path("net.pt"));
+  EXPECT_THAT(train(configuration()), Succeeded());
+  EXPECT_TRUE(read_text_file(path("net.pt")) == model) << "with and without a cache";
+  const std::string options = read_text_file(path("net.pt.options.toml"));
+  EXPECT_THAT(options, AllOf(HasSubstr("[[source]]"), HasSubstr("weight = 3"), HasSubstr("holdout = 0.4")));
+}
+
+TEST_F(OwnDataTest, IsShownBeforeItIsTrainedOn) {
+  const ProgramRun run = train(configuration(), {"--check"});
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, AllOf(HasSubstr("set 1: folder:"), HasSubstr("75.0% of the samples"),
+                             HasSubstr("set 2: synthetic:"), HasSubstr("landmarks: 20 of 20 labelled"),
+                             HasSubstr("held out"), HasSubstr("net_check.png")));
+  EXPECT_THAT(entries_of(folder_.path()), UnorderedElementsAre("mine", "train.toml", "net_check.png"));
+  const Image<Rgb> sheet = read_png_rgb(path("net_check.png"));
+  EXPECT_GT(sheet.width(), 1000);
+  const ProgramRun detector = train(sources() + "[network]\narchitecture = 'detector'\n", {"--check"});
+  EXPECT_THAT(detector, FailedWith("--check"));
+}
+
+TEST_F(OwnDataTest, OfWhichASetIsEmptyIsNamed) {
+  make_folder(path("empty/depth"));
+  write_text_file(path("empty/dataset.toml"), read_text_file(path("mine/dataset.toml")));
+  EXPECT_THAT(train(configuration("folder:empty")), FailedWith("empty"));
+  EXPECT_THAT(train("source = ['folder:mine', 'folder:empty']\n"), FailedWith("[[source]]"));
+  std::string nothing;  // frames without one label
+  for (std::size_t frame = 0; frame < 6; ++frame) {
+    for (std::size_t number = 0; number < 66; ++number) nothing += "nan ";
+    nothing += "\n";
+  }
+  write_text_file(path("mine/joints.txt"), nothing);
+  EXPECT_THAT(train(configuration()), FailedWith("mine"));
+}
+
+TEST_F(OwnDataTest, WithoutSomeLandmarksIsLearnedWithAWarning) {
+  std::string toml = configuration();
+  toml.replace(toml.find("icg20"), 5, "nyu14");
+  const std::size_t second = toml.find("[[source]]", toml.find("[[source]]") + 1);
+  toml.erase(second, toml.find("[patch]") - second);
+  const ProgramRun run = train(toml);
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.error, AllOf(HasSubstr("warning: no sample labels nyu_"), Not(HasSubstr("little_tip"))));
+  EXPECT_THAT(run.out, Not(HasSubstr("nan")));
+}
+
+TEST_F(OwnDataTest, BeginsWithAnotherNetworkAndEndsEarly) {
+  ASSERT_THAT(train(configuration()), Succeeded());
+  std::filesystem::rename(path("net.pt"), path("first.pt"));
+  const std::string more = "initial = 'first.pt'\n" + configuration() +
+                           "patience = 1\nlearning_rate = 5.0\nschedule = 'constant'\nwarm_up = 0.0\n";
+  std::string longer = more;
+  longer.replace(longer.find("epochs = 2"), 10, "epochs = 9");
+  const ProgramRun run = train(longer);
+  ASSERT_THAT(run, Succeeded());
+  EXPECT_THAT(run.out, AllOf(HasSubstr("before training: validation"), HasSubstr("time left"),
+                             HasSubstr("ended early: 1 validations")));
 }
 
 TEST_F(NetworkTest, IsTrainedAndFindsPoses) {

@@ -54,20 +54,25 @@ def render(manifest, index):
     return _manifest_source(path, changed_ns)[index]
 
 
-def evaluate(truth, predictions, *, convention=None, camera=None, boxes=None, landmarks=None, common=False):
+def evaluate(truth, predictions, *, convention=None, camera=None, boxes=None, landmarks=None, common=False, format="uvd",
+             axes="x,y,z", unit="mm"):
     """Scores of predicted poses against truth, as a dict of what `knuckle evaluate --json` writes.
 
     truth: a source with labels, as text ("folder:my_set"), or the path of a poses file, then with its `camera`.
     predictions: dict of a method's name and its poses: the path of a poses file, or an array (frames, J, 3) of column,
-        row [px] and depth [mm], NaN where a joint is not known.
+        row [px] and depth [mm] (or as `format` says), NaN where a joint is not known.
     convention: of files that do not name theirs, and of arrays: a name, or the file (.toml) of one of your own; None:
         arrays are in knuckle22.
     boxes: dict of a method's name and the path of the boxes that `knuckle segment` wrote.
     landmarks: the path of a landmark definition (`knuckle landmarks`), to whose landmarks predictions are moved before.
+    format: what the three numbers of a joint are, in arrays and in files that do not say it: "uvd", or "xyz" for a point
+        in camera coordinates.
+    axes: where the numbers of "xyz" point, told in x (right), y (down) and z (forward); OpenGL's are "x,-y,-z".
+    unit: of "xyz", or of the depth: "mm", "cm" or "m".
     common: whether to score the methods also in the landmarks that all of them share ("in_common").
 
     Ctrl-C ends it.
     """
     truth = _os.fspath(truth)
     return _json.loads(_knuckle.evaluate_as_json(truth, dict(predictions), convention, camera, dict(boxes or {}), landmarks,
-                                                  common))
+                                                  common, format, axes, unit))

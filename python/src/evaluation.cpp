@@ -17,6 +17,8 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/own_convention.h"
 #include "knuckle/data/boxes_file.h"
+#include "knuckle/data/pose_coordinates.h"
+#include "knuckle/data/poses_file.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/prepare/open_source.h"
 
@@ -47,70 +49,96 @@ std::filesystem::path path_from(const py::handle& value) {
   return path.cast<std::filesystem::path>();
 }
 
-/// The poses of an array (frames, J, 3) of u, v [px] and depth [mm].
-PoseSequence poses_from(const py::array_t<double>& array, const std::string& name,
-                        const Convention& convention) {
+/// The numbers of an array (frames, J, 3).
+PoseNumbers numbers_from(const py::array_t<double>& array, const std::string& name,
+                         const Convention& convention, const PoseCoordinates& coordinates) {
   if (array.ndim() != 3 || array.shape(1) != convention.size() || array.shape(2) != 3) {
-    fail(
-        "predictions '{}': expected an array (frames, {}, 3) of u, v [px] and depth [mm], in the landmarks "
-        "of {}",
-        name, convention.size(), convention.name);
+    fail("predictions '{}': expected an array (frames, {}, 3) of {}, in the landmarks of {}", name,
+         convention.size(),
+         coordinates.kind == PoseCoordinates::Kind::xyz ? "x, y, z" : "u, v [px] and depth [mm]",
+         convention.name);
   }
   const auto values = array.unchecked<3>();
-  PoseSequence poses{"predictions '" + name + "'", convention, {}};
+  PoseNumbers numbers{"predictions '" + name + "'", convention, coordinates, {}};
+  numbers.values.reserve(static_cast<std::size_t>(array.size()));
   for (py::ssize_t frame = 0; frame < values.shape(0); ++frame) {
-    HandPose pose = HandPose::missing(convention);
     for (py::ssize_t i = 0; i < values.shape(1); ++i) {
-      const ImagePoint point{values(frame, i, 0), values(frame, i, 1), values(frame, i, 2)};
-      if (!point.is_missing()) pose.joints[static_cast<std::size_t>(i)] = point;
+      for (py::ssize_t k = 0; k < 3; ++k) numbers.values.push_back(values(frame, i, k));
     }
-    poses.poses.push_back(std::move(pose));
   }
-  return poses;
+  return numbers;
 }
 
-/// Predictions as they are given: arrays, read at once, and files, read without the interpreter's lock.
-struct GivenPredictions {
-  std::vector<Predictions> methods;  ///< in the order given; those of files are empty
-  std::vector<std::pair<std::size_t, NamedPath>> files;
-
-  GivenPredictions(const py::dict& given, const std::optional<Convention>& convention) {
+/// Predictions as they are given: arrays, copied at once, and files, read without the interpreter's lock.
+class GivenPredictions {
+ public:
+  GivenPredictions(const py::dict& given, const std::optional<Convention>& convention,
+                   const PoseCoordinates& coordinates)
+      : convention_(convention), coordinates_(coordinates) {
     for (const auto& [key, value] : given) {
       const std::string name = py::str(key);
-      methods.push_back({name, {"", superset_convention(), {}}});
       if (py::isinstance<py::array>(value)) {
         const auto array = py::array_t<double>::ensure(value);
         if (!array) throw py::type_error("predictions '" + name + "': expected an array of numbers");
-        methods.back().sequence = poses_from(array, name, convention.value_or(superset_convention()));
+        given_.push_back(
+            {name, {}, numbers_from(array, name, convention.value_or(superset_convention()), coordinates)});
       } else {
-        files.push_back({methods.size() - 1, {name, path_from(value)}});
+        given_.push_back({name, path_from(value), std::nullopt});
       }
     }
   }
 
-  void read_files(const std::optional<Convention>& convention, const OpenedTruth& opened) {
-    for (const auto& [place, file] : files) {
-      const PoseNumbers numbers = read_pose_numbers(file.path, convention);
-      methods[place].sequence = poses_from(numbers, opened.truth.projections, opened.origin);
+  bool empty() const { return given_.empty(); }
+
+  /// In the order given. u and v of arrays count from pixel centres, those of files as in the source's.
+  std::vector<Predictions> read(const OpenedTruth& opened) const {
+    std::vector<Predictions> methods;
+    for (const Given& given : given_) {
+      const PoseNumbers numbers =
+          given.array ? *given.array : read_pose_numbers(given.file, convention_, coordinates_);
+      methods.push_back({given.name, poses_from(numbers, opened.truth.projections,
+                                                given.array ? PixelOrigin::centre : opened.origin)});
     }
+    return methods;
   }
+
+ private:
+  struct Given {
+    std::string name;
+    std::filesystem::path file;
+    std::optional<PoseNumbers> array;  ///< nothing: it is a file
+  };
+
+  std::optional<Convention> convention_;
+  PoseCoordinates coordinates_;
+  std::vector<Given> given_;
 };
+
+/// What numbers are, as format, axes and unit say.
+PoseCoordinates coordinates_from(const std::string& format, const std::string& axes,
+                                 const std::string& unit) {
+  PoseCoordinates coordinates{coordinate_kind_from_text(format), axes_from_text(axes), unit_from_text(unit)};
+  if (coordinates.kind == PoseCoordinates::Kind::uvd && coordinates.axes != PoseCoordinates().axes)
+    fail("axes: tells of x y z; give format=\"xyz\" too");
+  return coordinates;
+}
 
 std::string evaluate_as_json(const std::string& truth_text, const py::dict& predictions,
                              const std::optional<std::string>& convention_name,
                              const std::optional<Camera>& camera,
                              const std::map<std::string, std::filesystem::path>& boxes,
-                             const std::optional<std::filesystem::path>& landmarks, bool common) {
+                             const std::optional<std::filesystem::path>& landmarks, bool common,
+                             const std::string& format, const std::string& axes, const std::string& unit) {
   std::optional<Convention> convention;
   if (convention_name) convention = convention_from_option(*convention_name);
-  GivenPredictions given(predictions, convention);
-  if (given.methods.empty() && boxes.empty()) fail("evaluate: nothing to score: give predictions or boxes");
+  const GivenPredictions given(predictions, convention, coordinates_from(format, axes, unit));
+  if (given.empty() && boxes.empty()) fail("evaluate: nothing to score: give predictions or boxes");
   return interruptible([&] {
     OpenedTruth opened = truth_from(truth_text, convention, camera);
-    given.read_files(convention, opened);
-    if (landmarks) move_landmarks(LandmarkDefinition::load(*landmarks), opened.truth, given.methods);
+    std::vector<Predictions> methods = given.read(opened);
+    if (landmarks) move_landmarks(LandmarkDefinition::load(*landmarks), opened.truth, methods);
     std::optional<Evaluation> evaluation;
-    if (!given.methods.empty()) evaluation = evaluate(opened.truth, given.methods, common);
+    if (!methods.empty()) evaluation = evaluate(opened.truth, methods, common);
     std::vector<SegmentationScore> overlaps;
     for (const auto& [name, path] : boxes)
       overlaps.push_back(score_boxes(name, read_boxes_file(path), opened.truth.sequence.poses));
@@ -124,7 +152,7 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
 void add_evaluation(py::module_& module) {
   module.def("evaluate_as_json", &evaluate_as_json, py::arg("truth"), py::arg("predictions"),
              py::arg("convention"), py::arg("camera"), py::arg("boxes"), py::arg("landmarks"),
-             py::arg("common"));
+             py::arg("common"), py::arg("format"), py::arg("axes"), py::arg("unit"));
 }
 
 }  // namespace knuckle::python

@@ -108,8 +108,20 @@ class SameAsProgram(unittest.TestCase):
 
         array = np.loadtxt(poses, comments="#").reshape(COUNT, -1, 3)
         self.assertEqual(knuckle.evaluate(self.source, {"mine": array}), expected)
+        for axes, unit, mm in (("x,y,z", "mm", 1.0), ("x,-y,-z", "m", 1000.0)):
+            in_space = self.in_camera(array) * ([1, -1, -1] if "-" in axes else [1, 1, 1]) / mm
+            method = knuckle.evaluate(self.source, {"mine": in_space}, format="xyz", axes=axes, unit=unit)["methods"][0]
+            self.assertAlmostEqual(method["mean_3d_mm"], expected["methods"][0]["mean_3d_mm"], places=4)
         array[2] = np.nan
         self.assertEqual(knuckle.evaluate(self.source, {"mine": array, "file": str(poses)})["methods"][0]["missing"], 1)
+
+    def in_camera(self, uvd):
+        """Points [mm] of u, v, depth, each seen by its frame's camera."""
+        points = np.empty_like(uvd)
+        for i, frame in enumerate(self.frames):
+            camera, (u, v, d) = frame.camera, uvd[i].T
+            points[i] = np.stack([(u - camera.cx) * d / camera.fx, (v - camera.cy) * d / camera.fy, d], 1)
+        return points
 
     def test_landmark_definitions(self):
         definition, poses, moved = (self.folder / name for name in ("landmarks.toml", "poses.txt", "moved.txt"))
@@ -136,6 +148,10 @@ class SameAsProgram(unittest.TestCase):
                 knuckle.evaluate(self.source, predictions)
         with self.assertRaisesRegex(knuckle.Error, "unknown|convention"):
             knuckle.evaluate(self.source, {"a": good}, convention="klingon")
+        for options, words in (({"format": "zyx"}, "zyx"), ({"axes": "x,-y,-z"}, "xyz"), ({"unit": "inch"}, "inch"),
+                               ({"format": "xyz", "axes": "x,y,y"}, "x,y,y")):
+            with self.assertRaisesRegex(knuckle.Error, words):
+                knuckle.evaluate(self.source, {"a": good}, **options)
         with self.assertRaises(TypeError):
             knuckle.evaluate(self.source, {"a": np.array(["x"], object)})
         with self.assertRaises(TypeError):

@@ -24,6 +24,9 @@ void add_train_network(CLI::App& train, const std::function<void(const NetworkAr
       ->check(CLI::NonNegativeNumber);
   network.add_option("--cache", arguments->cache,
                      "Folder in which hands that were cut out of frames are kept for the next training");
+  network.add_flag("--check", arguments->check,
+                   "Only show what it would be trained on: the sets in words, and samples in OUT's name with "
+                   "_check.png");
   network.callback([arguments, run] { run(*arguments); });
 }
 

@@ -17,6 +17,7 @@ struct NetworkArguments {
   std::string device = "cpu";
   double minutes = 0.0;
   std::filesystem::path cache;
+  bool check = false;  ///< shows what it would be trained on, and does not train
 };
 
 /// Adds `network` to the verb `train`. Two programs know it: `knuckle`, where `run` starts the other one, and

@@ -12,6 +12,9 @@
 #include "knuckle/cli/network_arguments.h"
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/core/text.h"
+#include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/pictures/figures.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/stopwatch.h"
@@ -19,6 +22,7 @@
 #include "knuckle/training/detector_training.h"
 #include "knuckle/training/network_training_config.h"
 #include "knuckle/training/torch_device.h"
+#include "knuckle/training/training_check.h"
 
 namespace knuckle::cli {
 namespace {
@@ -59,18 +63,25 @@ const KindOfNetwork& detectors() {
   return kind;
 }
 
-void print_metrics(const TrainingMetrics& metrics, const KindOfNetwork& kind) {
+void print_metrics(const TrainingMetrics& metrics, const KindOfNetwork& kind, double seconds_left) {
   fmt::print(
       "step {}: {} samples, loss {:.4f}, validation {}; {:.0f} samples/s, {:.1f}% of the time waited for "
-      "data\n",
+      "data, time left {}\n",
       metrics.step, metrics.samples, metrics.training_loss, kind.validation_text(metrics.validation),
-      metrics.samples_per_second, 100.0 * metrics.waiting_share);
+      metrics.samples_per_second, 100.0 * metrics.waiting_share, readable_duration(seconds_left));
   std::fflush(stdout);
 }
 
-/// The curves of a training as STEM_curves.svg and .png.
+/// A file beside the model: "dense.pt" and "_check.png" give "dense_check.png".
+std::filesystem::path beside(const std::filesystem::path& model, const std::string& ending) {
+  return model.parent_path() / (model.stem().string() + ending);
+}
+
+/// The curves of a training as STEM_curves.svg and .png. They go with a training: where they cannot be drawn
+/// it goes on.
 void write_curves(const std::filesystem::path& model, const std::vector<TrainingMetrics>& metrics,
                   const KindOfNetwork& kind) {
+  if (metrics.size() < 2) return;  // no line yet
   Figure figure{.kind = FigureKind::curves,
                 .name = model.stem().string() + "_curves",
                 .title = "Validation of " + model.filename().string(),
@@ -87,7 +98,11 @@ void write_curves(const std::filesystem::path& model, const std::vector<Training
     for (const TrainingMetrics& m : metrics) series.values.push_back(m.validation[score]);
   }
   const std::filesystem::path folder = model.has_parent_path() ? model.parent_path() : ".";
-  write_figures(std::span(&figure, 1), folder);
+  try {
+    write_figures(std::span(&figure, 1), folder);
+  } catch (const Error& error) {
+    fmt::print(stderr, "warning: {}\n", printable(error.what()));
+  }
 }
 
 NetworkTrainingRun run_of(const NetworkArguments& arguments, const KindOfNetwork& kind) {
@@ -102,21 +117,50 @@ NetworkTrainingRun run_of(const NetworkArguments& arguments, const KindOfNetwork
   }
   run.device = arguments.device;
   run.minutes = arguments.minutes;
-  run.report = [out, &kind](const std::vector<TrainingMetrics>& metrics) {
-    print_metrics(metrics.back(), kind);
+  run.report_initial = [&kind](const std::vector<double>& validation) {
+    fmt::print("before training: validation {}\n", kind.validation_text(validation));
+    std::fflush(stdout);
+  };
+  run.report = [out, &kind](const std::vector<TrainingMetrics>& metrics, double seconds_left) {
+    print_metrics(metrics.back(), kind, seconds_left);
     write_text_file(out.string() + ".metrics.csv", metrics_csv(metrics, kind.score_names));
+    write_curves(out, metrics, kind);
   };
   return run;
 }
 
+void print_early_end(const std::vector<TrainingMetrics>& metrics, const NetworkTrainingOptions& options) {
+  if (has_run_out_of_patience(metrics, options))
+    fmt::print("ended early: {} validations were no better than the best (patience)\n", options.patience);
+}
+
+void warn_of_unknown(const std::vector<Landmark>& landmarks) {
+  std::vector<std::string> names;
+  for (const Landmark landmark : landmarks) names.emplace_back(name_of(landmark));
+  fmt::print(stderr, "warning: no sample labels {}: the network learns nothing of it\n", joined(names));
+}
+
+/// Shows what a network would be trained on.
+void check_pose_network(const NetworkArguments& arguments, const NetworkTrainingConfig& config) {
+  const TrainingCheck check = check_network_training(config);
+  const std::filesystem::path sheet = beside(arguments.out, "_check.png");
+  write_png(sheet, check.sheet);
+  fmt::print("{}samples as they will be seen, each with the number of its set: {}\n", check.text,
+             sheet.string());
+}
+
 void train_pose_network(const NetworkArguments& arguments) {
   const auto config = NetworkTrainingConfig::load(arguments.config);
+  if (arguments.check) {
+    check_pose_network(arguments, config);
+    return;
+  }
   check_writable(arguments.out);
   const NetworkTrainingRun run = run_of(arguments, pose_networks());
   write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
-  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache);
-  if (result.metrics.size() > 1) write_curves(arguments.out, result.metrics, pose_networks());
+  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache, warn_of_unknown);
+  print_early_end(result.metrics, config.training);
   fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
              result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
              watch.milliseconds() / 1000.0, arguments.out.string());
@@ -124,6 +168,8 @@ void train_pose_network(const NetworkArguments& arguments) {
 
 void train_detector(const NetworkArguments& arguments) {
   const auto config = DetectorTrainingConfig::load(arguments.config);
+  if (arguments.check)
+    fail("--check shows hands that are cut out, but a detector sees whole frames: leave it out");
   if (!arguments.cache.empty()) {
     fail("--cache keeps hands that were cut out of frames, but a detector sees whole frames: leave it out");
   }
@@ -132,7 +178,7 @@ void train_detector(const NetworkArguments& arguments) {
   write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
   const std::vector<TrainingMetrics> metrics = run_detector_training(config, run);
-  if (metrics.size() > 1) write_curves(arguments.out, metrics, detectors());
+  print_early_end(metrics, config.training);
   fmt::print("{:.1f} s: {}\n", watch.milliseconds() / 1000.0, arguments.out.string());
 }
 

@@ -18,14 +18,14 @@ constexpr std::chrono::seconds kLogInterval{30};
 
 std::atomic<bool> is_progress_on = true;
 
+}  // namespace
+
 std::string readable_duration(double seconds) {
   const auto whole = std::llround(seconds);
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
-
-}  // namespace
 
 Progress::Progress(std::string what, std::string unit, std::optional<std::int64_t> total, std::int64_t done)
     : what_(std::move(what)),

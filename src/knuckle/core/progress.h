@@ -39,6 +39,9 @@ class Progress {
   std::mutex mutex_;
 };
 
+/// A duration for a person, as "40 s", "3 min 05 s" or "2 h 10 min".
+std::string readable_duration(double seconds);
+
 /// Switches all progress output on or off (on at the start).
 void show_progress(bool on);
 

@@ -19,18 +19,22 @@ constexpr double kFarthestCentreMm = 80.0;
 
 class SampleCollector {
  public:
-  SampleCollector(const FrameSource& source, const HandFinder& finder, const SampleOptions& options,
-                  std::int64_t count)
+  SampleCollector(const FrameSource& source, std::vector<std::int64_t> frames, const HandFinder& finder,
+                  const SampleOptions& options)
       : source_(source),
+        frames_(std::move(frames)),
         finder_(finder),
+        hand_(finder.hand()),
         options_(options),
-        count_(count),
-        samples_(count, options.convention.size(), options.patch, options.crop_px) {}
+        count_(std::ssize(frames_)),
+        samples_(count_, options.convention.size(), options.patch, options.crop_px) {
+    if (options.side) hand_.side = *options.side == HandSide::left ? "left" : "right";
+  }
 
   NetworkSamples collect() && {
     Progress progress("samples", "frames", count_);
     parallel_for(count_, [&](std::int64_t i) {
-      add(i, source_.read(i * source_.size() / count_));
+      add(i, source_.read(frames_[static_cast<std::size_t>(i)]));
       progress.advance();
     });
     samples_.finish();
@@ -39,7 +43,7 @@ class SampleCollector {
 
  private:
   void add(std::int64_t index, Frame frame) {
-    frame = as_right_hand(std::move(frame), finder_.hand());
+    frame = as_right_hand(std::move(frame), hand_);
     const HandPose truth =
         frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
     const Projection projection(frame.camera);
@@ -78,7 +82,9 @@ class SampleCollector {
   }
 
   const FrameSource& source_;
+  std::vector<std::int64_t> frames_;
   const HandFinder& finder_;
+  HandOptions hand_;
   const SampleOptions& options_;
   std::int64_t count_;
   CubeSamples samples_;
@@ -88,16 +94,37 @@ class SampleCollector {
 
 }  // namespace
 
+void require_shared_landmarks(const FrameSource& source, const Convention& convention,
+                              std::string_view name) {
+  if (!source.convention()) fail("{}: the source has no truth to train on", name);
+  if (map_convention(*source.convention(), convention).shared.empty()) {
+    fail("{}: its landmarks are those of {}, and none of them is one of {}, which the network learns", name,
+         source.convention()->name, convention.name);
+  }
+}
+
+std::vector<std::int64_t> frames_for_samples(const FrameSource& source, const SampleOptions& options,
+                                             std::string_view name) {
+  const std::vector<std::int64_t> part = frames_of_part(source, options.holdout, name);
+  const std::int64_t all = std::ssize(part);
+  const std::int64_t count = options.most > 0 ? std::min(options.most, all) : all;
+  std::vector<std::int64_t> frames;
+  frames.reserve(static_cast<std::size_t>(count));
+  for (std::int64_t i = 0; i < count; ++i) frames.push_back(part[static_cast<std::size_t>(i * all / count)]);
+  return frames;
+}
+
 NetworkSamples network_samples(const std::string& source_name, const HandFinder& finder,
                                const SampleOptions& options) {
   const auto source = open_source(source_name);
-  if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
-  const std::int64_t count = options.most > 0 ? std::min(options.most, source->size()) : source->size();
-  NetworkSamples result = SampleCollector(*source, finder, options, count).collect();
+  require_shared_landmarks(*source, options.convention, source_name);
+  std::vector<std::int64_t> frames = frames_for_samples(*source, options, source_name);
+  NetworkSamples result = SampleCollector(*source, std::move(frames), finder, options).collect();
   if (result.frames.used() == 0) {
     fail(
-        "{}: no frame can be used: of {} frames segmentation found no hand in {}, and not the labelled one "
-        "in {}",
+        "{}: no frame can be used: of {} frames {} have no labels or no hand that segmentation finds, and in "
+        "{} "
+        "it finds something else",
         source_name, result.frames.total, result.frames.without_hand, result.frames.off_centre);
   }
   return result;

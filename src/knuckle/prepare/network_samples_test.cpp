@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/prepare/network_samples.h"
 
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/data/writers/folder_writer.h"
 #include "knuckle/segment/hand_region.h"
@@ -146,6 +147,47 @@ TEST_F(NetworkSamplesTest, LeftHandsAreTakenInTheMirror) {
   const CubeSample sample = made.samples.sample(0);
   EXPECT_NEAR(sample.centre_mm.x(), 100.0, 0.1);
   EXPECT_NEAR(sample.joints[3 * static_cast<std::size_t>(Landmark::index_tip)], -8.0 * 48.0 / 60.0, 1e-3);
+}
+
+TEST_F(NetworkSamplesTest, ASetMayShowOtherHandsThanTheOthers) {
+  options_.side = HandSide::left;
+  EXPECT_NEAR(samples(1).samples.sample(0).centre_mm.x(), 100.0, 0.1);
+  std::filesystem::remove_all(folder_ / "set");
+  const auto is_right = [](int, Frame& frame) { frame.side = HandSide::right; };
+  EXPECT_NEAR(samples(1, is_right).samples.sample(0).centre_mm.x(), -100.0, 0.1) << "the frames know it";
+}
+
+TEST_F(NetworkSamplesTest, OfAPartOfASetTheMostAreSpreadOverThatPart) {
+  const auto sequences = [](int i, Frame& frame) { frame.sequence = i / 2; };
+  options_.holdout = {0.5, Holdout::Part::validation};
+  const std::vector<double> validation = depths_of(samples(8, sequences));
+  options_.holdout.part = Holdout::Part::training;
+  std::filesystem::remove_all(folder_ / "set");
+  const std::vector<double> training = depths_of(samples(8, sequences));
+  EXPECT_THAT(validation, ::testing::SizeIs(4));
+  EXPECT_THAT(training, ::testing::SizeIs(4));
+  for (const double depth : training) EXPECT_THAT(validation, ::testing::Not(::testing::Contains(depth)));
+  options_.most = 2;
+  std::filesystem::remove_all(folder_ / "set");
+  EXPECT_THAT(depths_of(samples(8, sequences)), ElementsAre(training[0], training[2]));
+}
+
+TEST_F(NetworkSamplesTest, LandmarksAreFoundByTheirNames) {
+  options_.convention = convention_from_name("nyu14");
+  const NetworkSamples made = samples(1);
+  const CubeSample sample = made.samples.sample(0);
+  const Convention nyu = options_.convention;
+  for (int j = 0; j < nyu.size(); ++j) {
+    const bool is_labelled = nyu.landmarks[static_cast<std::size_t>(j)] == Landmark::palm ||
+                             nyu.landmarks[static_cast<std::size_t>(j)] == Landmark::index_tip;
+    EXPECT_EQ(std::isnan(sample.joints[3 * static_cast<std::size_t>(j)]), !is_labelled) << j;
+  }
+}
+
+TEST_F(NetworkSamplesTest, ASetWithoutACommonLandmarkIsNamed) {
+  options_.convention = register_convention("own_dots", {own_landmark("own_dot", Landmark::palm)});
+  EXPECT_THAT(testing::error_of([&] { samples(1); }),
+              ::testing::AllOf(HasSubstr("folder:"), HasSubstr("knuckle22"), HasSubstr("own_dots")));
 }
 
 TEST_F(NetworkSamplesTest, WithoutTruthThereIsNothingToTrainOn) {

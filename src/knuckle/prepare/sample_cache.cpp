@@ -21,6 +21,13 @@ Inputs inputs_of(const std::string& source, const Inputs& segmentation, const Sa
       .add("start", kStartNames[static_cast<std::size_t>(options.start)])
       .add("centre", options.around_joints ? "joints" : "segmentation")
       .add("most", fmt::format("{}", options.most));
+  // What most trainings do not ask for has no line, so that their files are found again.
+  if (options.side) inputs.add("side", *options.side == HandSide::left ? "left" : "right");
+  if (options.holdout.share > 0.0) {
+    const bool is_training = options.holdout.part == Holdout::Part::training;
+    inputs.add("holdout",
+               fmt::format("{}, {}", options.holdout.share, is_training ? "training" : "validation"));
+  }
   return inputs;
 }
 

@@ -10,6 +10,7 @@
 #include "knuckle/core/text_file.h"
 #include "knuckle/hand/body_file.h"
 #include "knuckle/prepare/sample_file.h"
+#include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_writer.h"
 #include "knuckle/synth/manifest.h"
@@ -113,6 +114,31 @@ TEST_F(SampleCacheTest, MakesOthersWhereAnythingDiffersButTheManifestsPlace) {
   options_.convention = convention_from_name("nyu14");
   EXPECT_EQ(samples().samples.joint_count(), 14);
   EXPECT_EQ(files().size(), 10u);
+  options_.side = HandSide::left;
+  samples();
+  EXPECT_EQ(files().size(), 11u);
+  std::string manifest = read_text_file(folder_ / "demo.toml");
+  manifest.replace(manifest.find("sequence_frames = 0"), 19, "sequence_frames = 2");
+  write_text_file(folder_ / "demo.toml", manifest);
+  options_.holdout = {0.5, Holdout::Part::validation};
+  samples();
+  EXPECT_EQ(files().size(), 12u);
+  options_.holdout.part = Holdout::Part::training;
+  samples();
+  EXPECT_EQ(files().size(), 13u);
+}
+
+TEST_F(SampleCacheTest, NamesFilesAsItAlwaysDid) {
+  samples();
+  Inputs inputs = segmentation_;
+  inputs.add_source("source", "synthetic:" + (folder_ / "demo.toml").string() + "?count=6")
+      .add("convention", "knuckle22")
+      .add("patch", "32 px, 250 mm")
+      .add("crop", "48 px")
+      .add("start", "nearest")
+      .add("centre", "segmentation")
+      .add("most", "0");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "cache" / ("samples_" + text_hash(inputs.text()) + ".h5")));
 }
 
 TEST_F(SampleCacheTest, ADamagedOrForeignFileIsNamed) {

@@ -66,14 +66,15 @@ NetworkSamples thing_samples(const std::string& source_name, const HandDetector&
                              const SampleOptions& options) {
   const auto source = open_source(source_name);
   if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
-  const std::int64_t count = options.most > 0 ? std::min(options.most, source->size()) : source->size();
+  const std::vector<std::int64_t> frames = frames_for_samples(*source, options, source_name);
+  const std::int64_t count = std::ssize(frames);
   CubeSamples samples(count, options.convention.size(), options.patch, options.crop_px);
   const std::vector<PatchPoint> unknown(static_cast<std::size_t>(options.convention.size()),
                                         PatchPoint{kNaN, kNaN, kNaN});
   std::atomic<std::int64_t> without = 0;
   Progress progress("things", "frames", count);
   parallel_for(count, [&](std::int64_t i) {
-    const Frame frame = source->read(i * source->size() / count);
+    const Frame frame = source->read(frames[static_cast<std::size_t>(i)]);
     Random random(1, static_cast<std::uint64_t>(i));
     const std::optional<Point3> place = ThingFinder(frame, detector, random).find();
     const auto crop =

@@ -32,21 +32,38 @@ std::size_t count_of(const std::vector<std::int64_t>& shape) {
       std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>()));
 }
 
+std::vector<double> weights_of(const std::vector<SampleGroup>& groups) {
+  std::vector<double> weights;
+  for (const SampleGroup& group : groups) weights.push_back(group.weight);
+  return weights;
+}
+
 }  // namespace
 
 BatchPlan::BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed)
-    : samples_(std::move(samples)), batch_size_(batch_size), seed_(seed) {
-  if (samples_->size() == 0) fail("training: there is no sample to train on");
+    : samples_(std::move(samples)),
+      batch_size_(batch_size),
+      seed_(seed),
+      dealer_(weights_of(samples_->groups())) {
+  std::int64_t first = 0;
+  for (const SampleGroup& group : samples_->groups()) {
+    if (group.size == 0) fail("training: there is no sample to train on");
+    decks_.push_back({.first = first, .size = group.size, .epoch = -1, .order = {}});
+    first += group.size;
+  }
 }
 
 std::int64_t BatchPlan::sample_of(std::int64_t place) {
-  const std::int64_t epoch = place / samples_->size();
-  if (epoch != epoch_) {
-    order_ = random_order(samples_->size(),
-                          Random(derived_seed(seed_, kOrders), static_cast<std::uint64_t>(epoch)));
-    epoch_ = epoch;
+  const SampleDealer::Dealt dealt = dealer_.at(place);
+  Deck& deck = decks_[dealt.group];
+  const std::int64_t epoch = dealt.number / deck.size;
+  if (epoch != deck.epoch) {
+    const std::uint64_t orders = derived_seed(seed_, kOrders);
+    const std::uint64_t of_group = dealt.group == 0 ? orders : derived_seed(orders, dealt.group);
+    deck.order = random_order(deck.size, Random(of_group, static_cast<std::uint64_t>(epoch)));
+    deck.epoch = epoch;
   }
-  return order_[static_cast<std::size_t>(place % samples_->size())];
+  return deck.first + deck.order[static_cast<std::size_t>(dealt.number % deck.size)];
 }
 
 TrainingBatch BatchPlan::batch(std::int64_t number) {

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "knuckle/training/sample_dealer.h"
 #include "knuckle/training/sample_views.h"
 
 namespace knuckle {
@@ -21,23 +22,32 @@ struct TrainingBatch {
   std::vector<std::int64_t> target_shape;  ///< of one sample
 };
 
-/// Batch number `number` of a training: which samples, seen how, is a function of the arguments alone. Every
-/// sample is seen once before any is seen again, in another order each time.
+/// Batch number `number` of a training: which samples, seen how, is a function of the arguments alone. Groups
+/// get their shares (SampleDealer); of each, every sample is seen once before any is seen again, in another
+/// order each time.
 class BatchPlan {
  public:
-  /// Throws an Error where there is no sample.
+  /// Throws an Error where there is no sample, or a group has none.
   BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed);
   TrainingBatch batch(std::int64_t number);
   int batch_size() const { return batch_size_; }
+  /// The number of the sample that is dealt to a place: the i-th of batch b has the place b batch_size + i.
+  std::int64_t sample_of(std::int64_t place);
 
  private:
-  std::int64_t sample_of(std::int64_t place);
+  /// A group in the order of its present epoch.
+  struct Deck {
+    std::int64_t first = 0;  ///< number of its first sample
+    std::int64_t size = 0;
+    std::int64_t epoch = -1;
+    std::vector<std::int64_t> order;
+  };
 
   std::shared_ptr<const SampleViews> samples_;
   int batch_size_;
   std::uint64_t seed_;
-  std::int64_t epoch_ = -1;
-  std::vector<std::int64_t> order_;
+  std::vector<Deck> decks_;
+  SampleDealer dealer_;
 };
 
 /// Makes batches ahead on a thread of its own, so that training need not wait.

@@ -22,7 +22,8 @@ constexpr std::size_t kNumbers = kTestJoints * 3;
 
 BatchPlan plan_of(const CubeSamples& samples, const AugmentationOptions& augmentation, int batch_size,
                   std::uint64_t seed) {
-  return {std::make_shared<const CubeSampleViews>(TrainingCrops{samples}, augmentation), batch_size, seed};
+  return {std::make_shared<const CubeSampleViews>(std::vector{TrainingCrops{samples}}, augmentation),
+          batch_size, seed};
 }
 
 /// How often each sample is in the batches [0, count); samples are told apart by their first joint's depth.
@@ -52,8 +53,8 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
   const CubeSamples samples = made_up_samples(4);
   AugmentationOptions mirrors = no_augmentation();
   mirrors.mirrored_share = 0.5;
-  const CubeSampleViews views({samples}, mirrors, {.side = true});
-  const CubeSampleViews straight({samples}, no_augmentation());
+  const CubeSampleViews views({TrainingCrops{samples}}, mirrors, {.side = true});
+  const CubeSampleViews straight({TrainingCrops{samples}}, no_augmentation());
   ASSERT_EQ(views.target_shape(), (std::vector<std::int64_t>{kTestJoints + 1, 3}));
   const auto side = static_cast<std::size_t>(views.input_shape()[1]);
   std::vector<float> input(side * side);
@@ -85,10 +86,10 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
 TEST(CubeSampleViews, NeedANetworkThatTellsSidesForMirrors) {
   const CubeSamples samples = made_up_samples(1);
   AugmentationOptions mirrors = no_augmentation();
-  EXPECT_THAT(error_of([&] { CubeSampleViews({samples}, mirrors, {.side = true}); }),
+  EXPECT_THAT(error_of([&] { CubeSampleViews({TrainingCrops{samples}}, mirrors, {.side = true}); }),
               HasSubstr("mirrored_share"));
   mirrors.mirrored_share = 0.1;
-  EXPECT_THAT(error_of([&] { CubeSampleViews({samples}, mirrors); }), HasSubstr("tells_side"));
+  EXPECT_THAT(error_of([&] { CubeSampleViews({TrainingCrops{samples}}, mirrors); }), HasSubstr("tells_side"));
 }
 
 /// As `made_up_samples`, of nothing: no joint is known.
@@ -107,7 +108,7 @@ TEST(CubeSampleViews, OfThingsFollowThoseOfHandsAndSayThatTheyAreNone) {
   const CubeSamples things = made_up_things(2);
   AugmentationOptions mirrors = no_augmentation();
   mirrors.mirrored_share = 0.5;
-  const CubeSampleViews views({hands, &things}, mirrors, {.side = true, .hand = true});
+  const CubeSampleViews views({TrainingCrops{hands, &things}}, mirrors, {.side = true, .hand = true});
   EXPECT_EQ(views.size(), 5);
   ASSERT_EQ(views.target_shape(), (std::vector<std::int64_t>{kTestJoints + 2, 3}));
   const auto side = static_cast<std::size_t>(views.input_shape()[1]);
@@ -128,7 +129,7 @@ TEST(CubeSampleViews, OfThingsFollowThoseOfHandsAndSayThatTheyAreNone) {
       std::vector<float> straight(input.size());
       std::vector<float> joints(kNumbers);
       Random same(seed);
-      CubeSampleViews({hands}, no_augmentation()).view(i - 3, same, straight, joints);
+      CubeSampleViews({TrainingCrops{hands}}, no_augmentation()).view(i - 3, same, straight, joints);
       mirrored_things += straight == input ? 0 : 1;
     }
   }
@@ -140,10 +141,10 @@ TEST(CubeSampleViews, WhetherThereIsAHandIsLearnedFromThingsAlone) {
   const CubeSamples hands = made_up_samples(3);
   const CubeSamples things = made_up_things(2);
   EXPECT_THAT(error_of([&] {
-                CubeSampleViews({hands, &things}, no_augmentation());
+                CubeSampleViews({TrainingCrops{hands, &things}}, no_augmentation());
               }),
               HasSubstr("there are 2 things, and [network] tells_hand is false"));
-  EXPECT_THAT(error_of([&] { CubeSampleViews({hands}, no_augmentation(), {.hand = true}); }),
+  EXPECT_THAT(error_of([&] { CubeSampleViews({TrainingCrops{hands}}, no_augmentation(), {.hand = true}); }),
               HasSubstr("there are 0 things, and [network] tells_hand is true"));
   CubeSamples large(1, kTestJoints, hands.patch(), hands.crop_px() + 2);
   const std::vector<std::uint8_t> codes(static_cast<std::size_t>(large.crop_px() * large.crop_px()), 255);
@@ -151,9 +152,60 @@ TEST(CubeSampleViews, WhetherThereIsAHandIsLearnedFromThingsAlone) {
   large.set(0, {codes, unknown, Point3(0, 0, 500)});
   large.finish();
   EXPECT_THAT(error_of([&] {
-                CubeSampleViews({hands, &large}, no_augmentation(), {.hand = true});
+                CubeSampleViews({TrainingCrops{hands, &large}}, no_augmentation(), {.hand = true});
               }),
               HasSubstr("different sizes"));
+}
+
+/// Plans of two sets, the first of which has three quarters of the places.
+class TwoSets : public ::testing::Test {
+ protected:
+  BatchPlan plan(std::uint64_t seed) const {
+    return {std::make_shared<const CubeSampleViews>(
+                std::vector{TrainingCrops{few_, nullptr, 3.0}, TrainingCrops{many_, nullptr, 1.0}},
+                no_augmentation()),
+            8, seed};
+  }
+
+  CubeSamples few_ = made_up_samples(3);
+  CubeSamples many_ = made_up_samples(10);
+};
+
+TEST_F(TwoSets, GetTheirSharesWhateverTheirSizes) {
+  BatchPlan dealt = plan(3);
+  std::vector<int> times(13);
+  for (std::int64_t place = 0; place < 400; ++place)
+    ++times[static_cast<std::size_t>(dealt.sample_of(place))];
+  EXPECT_THAT(std::vector(times.begin(), times.begin() + 3), Each(100)) << "300 places for 3";
+  EXPECT_THAT(std::vector(times.begin() + 3, times.end()), Each(10)) << "100 places for 10";
+}
+
+TEST_F(TwoSets, AreDealtByTheSeedAlone) {
+  BatchPlan dealt = plan(3);
+  std::vector<std::int64_t> order;
+  for (std::int64_t place = 0; place < 80; ++place) order.push_back(dealt.sample_of(place));
+  BatchPlan same = plan(3);
+  BatchPlan other = plan(4);
+  bool differs = false;
+  for (const std::int64_t place : {79, 3, 40, 0, 78}) {
+    EXPECT_EQ(same.sample_of(place), order[static_cast<std::size_t>(place)]) << "without those before";
+    differs |= other.sample_of(place) != order[static_cast<std::size_t>(place)];
+  }
+  EXPECT_TRUE(differs);
+}
+
+TEST_F(TwoSets, OneOfWhichIsEmptyOrOfAnotherSizeAreRefused) {
+  const auto fault = [&](const CubeSamples& second) {
+    return error_of([&] {
+      CubeSampleViews({TrainingCrops{few_}, TrainingCrops{second}}, no_augmentation());
+    });
+  };
+  EXPECT_THAT(fault(made_up_samples(0)), HasSubstr("no sample to train on"));
+  CubeSamples of_more_joints(1, kTestJoints + 1, few_.patch(), few_.crop_px());
+  const std::vector<float> unknown(kNumbers + 3, static_cast<float>(kNaN));
+  of_more_joints.set(0, {few_.sample(0).codes, unknown, Point3(0, 0, 500)});
+  of_more_joints.finish();
+  EXPECT_THAT(fault(of_more_joints), HasSubstr("different sizes"));
 }
 
 TEST(BatchPlan, ABatchMayBeLargerThanTheSet) {

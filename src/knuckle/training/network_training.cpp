@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/network_training.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string_view>
@@ -51,6 +52,14 @@ void NetworkTrainingOptions::visit(OptionVisitor& visitor) {
   visitor.seed("seed", seed);
 }
 
+bool has_run_out_of_patience(const std::vector<TrainingMetrics>& metrics,
+                             const NetworkTrainingOptions& options) {
+  if (options.patience == 0 || metrics.empty()) return false;
+  const auto error = [](const TrainingMetrics& m) { return m.validation.back(); };
+  const auto best = std::ranges::min_element(metrics, {}, error);
+  return metrics.end() - best > options.patience;
+}
+
 std::string metrics_csv(const std::vector<TrainingMetrics>& metrics,
                         std::span<const std::string_view> names) {
   std::string csv = "step,samples,learning_rate,training_loss,";
@@ -78,15 +87,17 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
 std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const NetworkTrainingOptions& options,
                                            const AugmentationOptions& augmentation,
-                                           const TrainingCrops& training, const CubeSamples& validation,
-                                           const NetworkTrainingRun& run) {
+                                           const std::vector<TrainingCrops>& training,
+                                           const CubeSamples& validation, const NetworkTrainingRun& run) {
   check(network, "training");
   if (options.batch_size == options.shards && network.architecture != "dense") {
     fail(
         "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
         options.batch_size, options.shards);
   }
-  if (training.hands.size() == 0) fail("training: there is no sample to train on");
+  for (const TrainingCrops& set : training) {
+    if (set.hands.size() == 0) fail("training: there is no sample to train on");
+  }
   if (validation.size() == 0) fail("training: there is no sample to validate on");
   return train(PoseTrainingTask(network, augmentation, training, validation), options, run);
 }

@@ -20,7 +20,7 @@ namespace knuckle {
 
 /// How a network is trained: the `[training]` table.
 struct NetworkTrainingOptions {
-  double epochs = 10.0;             ///< How often each sample is seen, (0, 1e6]
+  double epochs = 10.0;             ///< Samples seen, as a multiple of all samples of all sets, (0, 1e6]
   int batch_size = 64;              ///< Samples a step, [1, 65536]
   int shards = 4;                   ///< Parts of a batch that are worked on side by side, [1, 256]
   std::string optimiser = "adamw";  ///< adamw | sgd
@@ -58,6 +58,10 @@ struct TrainingMetrics {
   double waiting_share = 0.0;       ///< of the time, for batches
 };
 
+/// Whether so many validations were no better than the best that the training ends.
+bool has_run_out_of_patience(const std::vector<TrainingMetrics>& metrics,
+                             const NetworkTrainingOptions& options);
+
 /// Metrics as CSV, a line per validation; `names` are those of its numbers.
 std::string metrics_csv(const std::vector<TrainingMetrics>& metrics, std::span<const std::string_view> names);
 
@@ -74,8 +78,11 @@ struct NetworkTrainingRun {
   /// What comes out then depends on how fast the machine was.
   double minutes = 0.0;
   std::int64_t stop_after_steps = 0;  ///< ends early, as if interrupted, after so many steps in all; 0: not
-  /// Called at each validation with all metrics so far, those before a checkpoint included; may be empty.
-  std::function<void(const std::vector<TrainingMetrics>&)> report;
+  /// Called once before a training anew with the validation of `initial` as it is; may be empty.
+  std::function<void(const std::vector<double>& validation)> report_initial;
+  /// Called at each validation with all metrics so far, those before a checkpoint included, and how long the
+  /// training will still take where it does not end early [s]; may be empty.
+  std::function<void(const std::vector<TrainingMetrics>&, double seconds_left)> report;
 };
 
 class TrainingTask;
@@ -84,7 +91,8 @@ class TrainingTask;
 std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTrainingOptions& options,
                                    const NetworkTrainingRun& run);
 
-/// Trains a network on `training` and keeps what is best on `validation`.
+/// Trains a network on the sets of `training`, each in its share, and keeps what is best on `validation`.
+/// Joints that are not known (NaN) count in neither.
 ///
 /// A batch is cut into shards, each worked on by one thread; their gradients are summed in order, so the
 /// weights depend on options and samples alone, not on the number of threads. Batch norms see one shard at a
@@ -97,7 +105,7 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
 std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const NetworkTrainingOptions& options,
                                            const AugmentationOptions& augmentation,
-                                           const TrainingCrops& training, const CubeSamples& validation,
-                                           const NetworkTrainingRun& run);
+                                           const std::vector<TrainingCrops>& training,
+                                           const CubeSamples& validation, const NetworkTrainingRun& run);
 
 }  // namespace knuckle

@@ -3,35 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
-#include "knuckle/prepare/sample_cache.h"
+#include "knuckle/training/configured_samples.h"
 
 namespace knuckle {
 namespace {
-
-constexpr double kBytesPerGigabyte = 1e9;
-
-std::int64_t frames_of(const std::string& source, int most) {
-  const std::int64_t size = open_source(source)->size();
-  return most > 0 ? std::min<std::int64_t>(most, size) : size;
-}
-
-void check_memory(const NetworkTrainingConfig& config) {
-  const NetworkSampleOptions& samples = config.samples;
-  const std::int64_t count = frames_of(config.source, samples.most) +
-                             frames_of(config.validation, samples.most_validation) +
-                             (samples.most_things > 0 ? frames_of(config.source, samples.most_things) : 0);
-  const double gigabytes =
-      static_cast<double>(CubeSamples::bytes(count, config.network.joint_count(), samples.crop_px)) /
-      kBytesPerGigabyte;
-  if (gigabytes > samples.memory_gb) {
-    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`", count, gigabytes,
-         samples.memory_gb);
-  }
-}
 
 /// Call it when a HandFinder was made from the document: then its tables are read.
 Inputs inputs_of_finder(const OptionTable& document) {
@@ -43,6 +21,22 @@ Inputs inputs_of_finder(const OptionTable& document) {
     inputs.add_content("model", segmentation.resolved_path(segmentation.required_text("model")));
   }
   return inputs;
+}
+
+/// The source of the frames that are not trained on; empty where the sets hold some out.
+std::string validation_in(const OptionTable& document, const std::vector<TrainingSource>& sources) {
+  const bool is_held_out =
+      std::ranges::any_of(sources, [](const TrainingSource& source) { return source.holdout > 0.0; });
+  if (!is_held_out && !document.has("validation")) {
+    document.fail_at(
+        "validation",
+        "is missing, expected the source of frames to validate on (a text), or a `holdout` of the "
+        "frames of `source`, such as 0.1");
+  }
+  if (!is_held_out) return source_in(document, "validation");
+  if (document.has("validation"))
+    document.fail_at("validation", "stands beside `holdout`, which says what to validate on: leave one out");
+  return {};
 }
 
 }  // namespace
@@ -59,8 +53,9 @@ void NetworkSampleOptions::visit(OptionVisitor& visitor) {
 
 NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
-  NetworkTrainingConfig config{.source = source_in(document, "source"),
-                               .validation = source_in(document, "validation"),
+  if (!document.has("source")) document.required_text("source");  // says what is missing
+  NetworkTrainingConfig config{.sources = {},
+                               .validation = {},
                                .initial = {},
                                .detector = {},
                                .start = start_from_name(document.choice_or("start", "nearest", kStartNames)),
@@ -77,42 +72,37 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   if (!detector.empty()) config.detector = document.resolved_path(detector);
   document.table("patch").read(config.network.patch);
   document.table("samples").read(config.samples);
+  config.sources = training_sources_in(document, {.source = {},
+                                                  .side = config.finder.hand().is_left() ? "left" : "right",
+                                                  .most = config.samples.most,
+                                                  .most_things = config.samples.most_things});
+  config.validation = validation_in(document, config.sources);
   document.table("network").read(config.network);
   document.table("augmentation").read(config.augmentation);
   document.table("training").read(config.training);
   document.finish();
   check(config.network, path.string());
-  if (config.samples.most_things > 0 && config.detector.empty())
-    fail("{}: most_things is {}, and no 'detector' is named that finds them", path.string(),
-         config.samples.most_things);
+  for (const TrainingSource& source : config.sources) {
+    if (source.most_things > 0 && config.detector.empty())
+      fail("{}: most_things is {}, and no 'detector' is named that finds them", path.string(),
+           source.most_things);
+  }
   config.resolved_options = document.resolved_toml();
   return config;
 }
 
 NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, const NetworkTrainingRun& run,
-                                           const std::filesystem::path& cache_folder) {
-  check_memory(config);
-  const SampleCache cache(cache_folder);
-  SampleOptions options{.convention = convention_from_name(config.network.convention),
-                        .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
-                        .crop_px = config.samples.crop_px,
-                        .start = config.start,
-                        .around_joints = config.samples.centre == "joints",
-                        .most = config.samples.most_validation};
-  const NetworkSamples validation =
-      cache.samples(config.validation, config.finder, config.segmentation, options);
-  options.most = config.samples.most;
-  const NetworkSamples training = cache.samples(config.source, config.finder, config.segmentation, options);
-  std::optional<NetworkSamples> things;
-  if (config.samples.most_things > 0) {
-    options.most = config.samples.most_things;
-    things.emplace(cache.things(config.source, config.detector, options));
-  }
+                                           const std::filesystem::path& cache,
+                                           const TakeUnknownLandmarks& unknown) {
+  check_sources(config);
+  const ConfiguredSamples samples = configured_samples(config, cache);
+  const std::vector<Landmark> landmarks = unknown_landmarks(config, samples);
+  if (unknown && !landmarks.empty()) unknown(landmarks);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
-  return {train_network(config.network, config.training, config.augmentation,
-                        {training.samples, things ? &things->samples : nullptr}, validation.samples, begun),
-          training.frames, validation.frames};
+  return {train_network(config.network, config.training, config.augmentation, samples.crops(),
+                        samples.validation.samples, begun),
+          samples.frames(), samples.validation.frames};
 }
 
 }  // namespace knuckle

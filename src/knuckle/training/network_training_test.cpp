@@ -45,7 +45,7 @@ class NetworkTraining : public ::testing::Test {
 
   std::vector<TrainingMetrics> train(const NetworkTrainingOptions& options, const NetworkTrainingRun& files,
                                      const NetworkOptions& network = small_network()) const {
-    return train_network(network, options, {}, {training_}, validation_, files);
+    return train_network(network, options, {}, {TrainingCrops{training_}}, validation_, files);
   }
 
   /// All weights and statistics of a checkpoint.
@@ -163,7 +163,8 @@ TEST_F(NetworkTraining, DenseLearns32SamplesByHeart) {
   options.learning_rate.learning_rate = 1e-2;
   options.average_decay = 0.9;
   const CubeSamples samples = made_up_samples(32);
-  const auto metrics = train_network(small_network(), options, no_augmentation(), {samples}, samples, run());
+  const auto metrics =
+      train_network(small_network(), options, no_augmentation(), {TrainingCrops{samples}}, samples, run());
   EXPECT_LT(metrics.back().validation[kFirstLook], 1.0);
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
 }
@@ -194,7 +195,7 @@ TEST_F(NetworkTraining, BeginsWithTheWeightsOfAModelThatTellsLess) {
   NetworkTrainingRun second = run("second");
   second.initial = folder_ / "first.pt";
   const CubeSamples samples = made_up_samples(8);
-  train_network(telling, still, mirrors, {samples}, samples, second);
+  train_network(telling, still, mirrors, {TrainingCrops{samples}}, samples, second);
   const NetworkWeights expected = load_network_weights(folder_ / "first.pt");
   const NetworkWeights begun = load_network_weights(folder_ / "second.pt");
   for (const NetworkArray& array : expected.arrays()) {
@@ -231,10 +232,86 @@ TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {
               AllOf(HasSubstr("net.checkpoint"), HasSubstr("other options")));
   options = short_training();
   const CubeSamples more = made_up_samples(9);
-  EXPECT_THAT(error_of([&] { train_network(small_network(), options, {}, {more}, validation_, again); }),
+  EXPECT_THAT(error_of([&] {
+                train_network(small_network(), options, {}, {TrainingCrops{more}}, validation_, again);
+              }),
               HasSubstr("another number of samples"));
   EXPECT_THAT(error_of([&] { train(options, run("none", Begin::from_checkpoint)); }),
               AllOf(HasSubstr("none.checkpoint"), HasSubstr("no such file")));
+}
+
+class TwoSetsOfSamples : public NetworkTraining, public ::testing::WithParamInterface<std::string_view> {
+ protected:
+  std::vector<TrainingMetrics> train(const NetworkTrainingRun& files, double weight = 0.5) const {
+    NetworkOptions network = small_network();
+    network.architecture = GetParam();
+    return train_network(network, short_training(), {},
+                         {TrainingCrops{training_}, TrainingCrops{own_, nullptr, weight}}, validation_,
+                         files);
+  }
+
+  CubeSamples own_ = made_up_samples(2, 10.0);
+};
+
+INSTANTIATE_TEST_SUITE_P(, TwoSetsOfSamples, ::testing::Values("dense", "regression"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+TEST_P(TwoSetsOfSamples, GoOnFromACheckpointToTheSameBits) {
+  EXPECT_EQ(train(run("whole")).back().step, 5) << "2 epochs of 10 samples, 4 a step";
+  NetworkTrainingRun stopped = run("parts");
+  stopped.stop_after_steps = 3;
+  train(stopped);
+  train(run("parts", Begin::from_checkpoint));
+  expect_same_state("whole", "parts");
+  EXPECT_THAT(error_of([&] { train(run("parts", Begin::from_checkpoint), 0.25); }),
+              AllOf(HasSubstr("parts.checkpoint"), HasSubstr("other options")));
+}
+
+TEST_F(NetworkTraining, JointsThatAreNotKnownCountInNoValidation) {
+  const auto with_changed_joint = [&](float value) {
+    CubeSamples samples(3, testing::kTestJoints, testing::kTestCube, testing::kTestCropPx);
+    for (std::int64_t i = 0; i < 3; ++i) {
+      const CubeSample sample = validation_.sample(i);
+      std::vector<float> joints(sample.joints.begin(), sample.joints.end());
+      joints[3] = value;
+      samples.set(i, {sample.codes, joints, sample.centre_mm});
+    }
+    samples.finish();
+    return samples;
+  };
+  const auto validated = [&](const CubeSamples& validation, const std::string& name) {
+    return train_network(small_network(), short_training(), {}, {TrainingCrops{training_}}, validation,
+                         run(name))
+        .front()
+        .validation[kFirstLook];
+  };
+  const double whole = validated(validation_, "whole");
+  const double without = validated(with_changed_joint(static_cast<float>(kNaN)), "without");
+  const double wrong = validated(with_changed_joint(40.0F), "wrong");
+  EXPECT_TRUE(std::isfinite(without));
+  EXPECT_NEAR(without, whole, 0.2 * whole) << "the mean of the other 13";
+  EXPECT_NE(without, whole);
+  EXPECT_GT(wrong, 1.05 * whole);
+}
+
+TEST_F(NetworkTraining, TellsHowGoodItsBeginningIsAndHowLongItTakes) {
+  const auto first = train(short_training(), run("first"));
+  NetworkTrainingRun second = run("second");
+  second.initial = folder_ / "first.pt";
+  std::vector<double> begun;
+  std::vector<double> left;
+  second.report_initial = [&](const std::vector<double>& validation) { begun = validation; };
+  second.report = [&](const std::vector<TrainingMetrics>&, double seconds_left) {
+    left.push_back(seconds_left);
+  };
+  train(short_training(), second);
+  const auto best =
+      std::ranges::min_element(first, {}, [](const TrainingMetrics& m) { return m.validation[kSecondLook]; });
+  ASSERT_EQ(begun.size(), 2u);
+  EXPECT_NEAR(begun[kSecondLook], best->validation[kSecondLook], 0.05) << "in half precision";
+  ASSERT_EQ(left.size(), 2u);
+  EXPECT_GT(left[0], 0.0);
+  EXPECT_EQ(left[1], 0.0);
 }
 
 TEST_F(NetworkTraining, ACheckpointThatIsCutShortIsRefusedByName) {
@@ -317,12 +394,15 @@ TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
   EXPECT_THAT(fault([](auto& o) { o.epochs = kNaN; }), HasSubstr("epochs"));
   EXPECT_THAT(fault([](auto& o) { o.learning_rate.warm_up = 2; }), HasSubstr("warm_up"));
   const CubeSamples none = made_up_samples(0);
-  EXPECT_THAT(
-      error_of([&] { train_network(small_network(), short_training(), {}, {none}, validation_, run()); }),
-      HasSubstr("no sample to train on"));
-  EXPECT_THAT(
-      error_of([&] { train_network(small_network(), short_training(), {}, {training_}, none, run()); }),
-      HasSubstr("no sample to validate on"));
+  EXPECT_THAT(error_of([&] {
+                train_network(small_network(), short_training(), {}, {TrainingCrops{none}}, validation_,
+                              run());
+              }),
+              HasSubstr("no sample to train on"));
+  EXPECT_THAT(error_of([&] {
+                train_network(small_network(), short_training(), {}, {TrainingCrops{training_}}, none, run());
+              }),
+              HasSubstr("no sample to validate on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "net.pt"));
 }
 

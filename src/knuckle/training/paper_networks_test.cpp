@@ -143,8 +143,8 @@ TEST_P(PaperNetworks, Learn32SamplesByHeart) {
   options.gradient_clip = 0.0;
   options.learning_rate.learning_rate = 1e-2;
   const CubeSamples samples = testing::made_up_samples(32, kJointBehindSkinMm);
-  const auto metrics = train_network(network, options, testing::no_augmentation(), {samples}, samples,
-                                     testing::run_in(folder.path(), "net"));
+  const auto metrics = train_network(network, options, testing::no_augmentation(), {TrainingCrops{samples}},
+                                     samples, testing::run_in(folder.path(), "net"));
   EXPECT_LT(metrics.back().validation[kFirstLook], 1.0);
 }
 
@@ -155,7 +155,7 @@ TEST_P(PaperNetworks, RefuseShardsOfASingleSample) {
   const CubeSamples samples = testing::made_up_samples(8);
   EXPECT_THAT(testing::error_of([&] {
                 train_network(small_options(GetParam().architecture), options, testing::no_augmentation(),
-                              {samples}, samples, testing::run_in(folder.path(), "net"));
+                              {TrainingCrops{samples}}, samples, testing::run_in(folder.path(), "net"));
               }),
               ::testing::HasSubstr("at least 2 samples per shard"));
 }

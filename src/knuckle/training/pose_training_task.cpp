@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/pose_training_task.h"
 
+#include <fmt/format.h>
+
 #include "knuckle/core/error.h"
 #include "knuckle/net/network_file.h"
 #include "knuckle/training/network_module.h"
@@ -26,7 +28,7 @@ bool begins(NetworkOptions known, const NetworkOptions& options) {
 }  // namespace
 
 PoseTrainingTask::PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                                   const TrainingCrops& training, const CubeSamples& validation)
+                                   const std::vector<TrainingCrops>& training, const CubeSamples& validation)
     : options_(network),
       augmentation_(augmentation),
       views_(std::make_shared<const CubeSampleViews>(
@@ -57,7 +59,16 @@ void PoseTrainingTask::load(const std::filesystem::path& path, TrainableModule& 
 
 std::string PoseTrainingTask::identity(const std::string& training) const {
   return network_options_as_toml(options_) + "[training]\n" + training + "[augmentation]\n" +
-         options_as_toml(augmentation_);
+         options_as_toml(augmentation_) + sets_text();
+}
+
+/// One set's size is told apart by the trainer.
+std::string PoseTrainingTask::sets_text() const {
+  const std::vector<SampleGroup> groups = views_->groups();
+  std::string text;
+  for (std::size_t i = 0; groups.size() > 1 && i < groups.size(); ++i)
+    text += fmt::format("[[source]]\nsamples = {}\nweight = {}\n", groups[i].size, groups[i].weight);
+  return text;
 }
 
 }  // namespace knuckle

@@ -2,6 +2,8 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
+#include <vector>
+
 #include "knuckle/net/network_options.h"
 #include "knuckle/training/sample_views.h"
 #include "knuckle/training/training_task.h"
@@ -13,7 +15,7 @@ class PoseTrainingTask final : public TrainingTask {
  public:
   /// All samples have to live as long as this.
   PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                   const TrainingCrops& training, const CubeSamples& validation);
+                   const std::vector<TrainingCrops>& training, const CubeSamples& validation);
 
   std::shared_ptr<TrainableModule> make_module(std::uint64_t seed) const override;
   std::shared_ptr<const SampleViews> views() const override { return views_; }
@@ -24,6 +26,9 @@ class PoseTrainingTask final : public TrainingTask {
   std::string identity(const std::string& training) const override;
 
  private:
+  /// Sizes and weights of several sets.
+  std::string sets_text() const;
+
   NetworkOptions options_;
   AugmentationOptions augmentation_;
   std::shared_ptr<const CubeSampleViews> views_;

@@ -2,6 +2,7 @@
 #include "knuckle/training/sample_views.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "knuckle/core/error.h"
 
@@ -14,11 +15,16 @@ void reverse_rows(std::span<float> pixels, int row_length) {
     std::ranges::reverse(pixels.subspan(first, row));
 }
 
+bool are_of_same_sizes(const CubeSamples& a, const CubeSamples& b) {
+  return a.crop_px() == b.crop_px() && a.joint_count() == b.joint_count() &&
+         a.patch().size_px == b.patch().size_px && a.patch().side_mm == b.patch().side_mm;
+}
+
 }  // namespace
 
-CubeSampleViews::CubeSampleViews(const TrainingCrops& crops, const AugmentationOptions& augmentation,
+CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const AugmentationOptions& augmentation,
                                  const PatchQuestions& questions)
-    : crops_(crops), augmentation_(augmentation), questions_(questions) {
+    : sets_(std::move(sets)), augmentation_(augmentation), questions_(questions) {
   check_options(augmentation, "augmentation");
   if (questions.side != (augmentation.mirrored_share > 0.0)) {
     fail(
@@ -27,7 +33,8 @@ CubeSampleViews::CubeSampleViews(const TrainingCrops& crops, const AugmentationO
         "and only by a network that tells them",
         augmentation.mirrored_share, questions.side);
   }
-  const std::int64_t things = crops.things == nullptr ? 0 : crops.things->size();
+  std::int64_t things = 0;
+  for (const TrainingCrops& set : sets_) things += set.size() - set.hands.size();
   if (questions.hand != (things > 0)) {
     fail(
         "samples: there are {} things, and [network] tells_hand is {}: what is no hand is learned from "
@@ -35,30 +42,45 @@ CubeSampleViews::CubeSampleViews(const TrainingCrops& crops, const AugmentationO
         "and only by a network that tells it",
         things, questions.hand);
   }
-  if (things > 0 && (crops.things->crop_px() != crops.hands.crop_px() ||
-                     crops.things->joint_count() != crops.hands.joint_count())) {
-    fail("samples: things and hands are of different sizes");
+  if (sets_.empty()) fail("training: there is no sample to train on");
+  for (const TrainingCrops& set : sets_) {
+    if (set.size() == 0) fail("training: there is no sample to train on");
+    for (const CubeSamples* const samples : {&set.hands, set.things}) {
+      if (samples != nullptr && !are_of_same_sizes(*samples, sets_.front().hands))
+        fail("samples: things and hands, or sets, are of different sizes");
+    }
   }
 }
 
 std::int64_t CubeSampleViews::size() const {
-  return crops_.hands.size() + (crops_.things == nullptr ? 0 : crops_.things->size());
+  std::int64_t sum = 0;
+  for (const TrainingCrops& set : sets_) sum += set.size();
+  return sum;
+}
+
+std::vector<SampleGroup> CubeSampleViews::groups() const {
+  std::vector<SampleGroup> groups;
+  for (const TrainingCrops& set : sets_) groups.push_back({set.size(), set.weight});
+  return groups;
 }
 
 std::vector<std::int64_t> CubeSampleViews::input_shape() const {
-  return {1, crops_.hands.patch().size_px, crops_.hands.patch().size_px};
+  const int size = sets_.front().hands.patch().size_px;
+  return {1, size, size};
 }
 
 std::vector<std::int64_t> CubeSampleViews::target_shape() const {
-  return {crops_.hands.joint_count() + (questions_.side ? 1 : 0) + (questions_.hand ? 1 : 0), 3};
+  return {sets_.front().hands.joint_count() + (questions_.side ? 1 : 0) + (questions_.hand ? 1 : 0), 3};
 }
 
 void CubeSampleViews::view(std::int64_t index, Random& random, std::span<float> input,
                            std::span<float> target) const {
-  const bool is_hand = index < crops_.hands.size();
-  const CubeSamples& samples = is_hand ? crops_.hands : *crops_.things;
+  std::size_t set = 0;
+  while (index >= sets_[set].size()) index -= sets_[set++].size();
+  const bool is_hand = index < sets_[set].hands.size();
+  const CubeSamples& samples = is_hand ? sets_[set].hands : *sets_[set].things;
   const CubeViewer viewer(samples);
-  const CubeSample sample = samples.sample(is_hand ? index : index - crops_.hands.size());
+  const CubeSample sample = samples.sample(is_hand ? index : index - sets_[set].hands.size());
   const RandomView seen = random_view(sample, samples, augmentation_, random);
   viewer.view_pixels(sample, seen.view, seen.faults, random, input);
   const std::span<float> joints = target.first(static_cast<std::size_t>(3 * samples.joint_count()));

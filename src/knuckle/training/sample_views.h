@@ -12,12 +12,20 @@
 
 namespace knuckle {
 
+/// Samples that are dealt together, numbered one after another.
+struct SampleGroup {
+  std::int64_t size = 0;
+  double weight = 1.0;  ///< its part of what is trained on, against the others' weights
+};
+
 /// Samples as a training sees them: each time in another way.
 class SampleViews {
  public:
   virtual ~SampleViews() = default;
   /// Number of samples.
   virtual std::int64_t size() const = 0;
+  /// The groups that they come in, in the order of their numbers; one of all where nothing else is said.
+  virtual std::vector<SampleGroup> groups() const { return {{size(), 1.0}}; }
   /// Shape of what the network sees of one sample: channels, rows, columns.
   virtual std::vector<std::int64_t> input_shape() const = 0;
   /// Shape of the truth of one sample.
@@ -33,31 +41,35 @@ struct PatchQuestions {
   bool hand = false;  ///< whether there is a hand
 };
 
-/// What poses are learned from. All has to live as long as a training.
+/// One set that poses are learned from. All has to live as long as a training.
 struct TrainingCrops {
   const CubeSamples& hands;
   const CubeSamples* things = nullptr;  ///< of the same sizes; none of their joints is known
+  double weight = 1.0;                  ///< its part of what is trained on, against the other sets' weights
+
+  std::int64_t size() const { return hands.size() + (things == nullptr ? 0 : things->size()); }
 };
 
-/// Views of cut-out hands, then of things. `input`: 1 x size x size; `target`: J x 3 joints in patch
-/// coordinates, NaN where not known, then a row for each question, all of whose numbers are the answer. In
-/// some views hands are seen in a mirror, as left ones, of which no joint is known: poses are learned of
-/// right hands alone. The side of a thing is NaN.
+/// Views of cut-out hands, then of things, set after set; each set is a group. `input`: 1 x size x size;
+/// `target`: J x 3 joints in patch coordinates, NaN where not known, then a row for each question, all of
+/// whose numbers are the answer. In some views hands are seen in a mirror, as left ones, of which no joint is
+/// known: poses are learned of right hands alone. The side of a thing is NaN.
 class CubeSampleViews final : public SampleViews {
  public:
-  /// Throws an Error where an option is out of range, or there is nothing from which a question can be
-  /// learned.
-  CubeSampleViews(const TrainingCrops& crops, const AugmentationOptions& augmentation,
+  /// Throws an Error where an option is out of range, a set is empty or of another size than the first, or
+  /// there is nothing from which a question can be learned.
+  CubeSampleViews(std::vector<TrainingCrops> sets, const AugmentationOptions& augmentation,
                   const PatchQuestions& questions = {});
 
   std::int64_t size() const override;
+  std::vector<SampleGroup> groups() const override;
   std::vector<std::int64_t> input_shape() const override;
   std::vector<std::int64_t> target_shape() const override;
   void view(std::int64_t index, Random& random, std::span<float> input,
             std::span<float> target) const override;
 
  private:
-  TrainingCrops crops_;
+  std::vector<TrainingCrops> sets_;
   AugmentationOptions augmentation_;
   PatchQuestions questions_;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <torch/utils.h>
@@ -70,7 +71,8 @@ Trainer::Trainer(const TrainingTask& task, const NetworkTrainingOptions& options
       step_count_(steps_of(task.views()->size(), options)),
       network_(task, options.seed, options.shards, device_),
       averaged_(task.make_module(options.seed)),
-      optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options) {
+      optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options),
+      end_(run.stop_after_steps > 0 ? std::min(run.stop_after_steps, step_count_) : step_count_) {
   averaged_->eval();
   if (options.precision == "bfloat16") network_.compute_in(torch::kBFloat16);
 }
@@ -81,19 +83,23 @@ std::vector<TrainingMetrics> Trainer::train() {
   } else if (!run_.initial.empty()) {
     load_initial();
   }
-  const std::int64_t end =
-      run_.stop_after_steps > 0 ? std::min(run_.stop_after_steps, step_count_) : step_count_;
-  if (step_ >= end || has_run_out_of_patience()) return metrics_;
+  if (step_ >= end_ || has_run_out_of_patience(metrics_, options_)) return metrics_;
   BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
-  BatchLoader loader(std::move(plan), step_, end);
-  Progress shown("train", "samples", (end - step_) * options_.batch_size);
+  BatchLoader loader(std::move(plan), step_, end_);
+  // In limited time nobody knows how many samples it will be.
+  std::optional<std::int64_t> total;
+  if (run_.minutes == 0.0) total = end_ * options_.batch_size;
+  Progress shown("train", "samples", total, step_ * options_.batch_size);
+  first_step_ = step_;
+  whole_time_ = Stopwatch();
+  since_validation_ = Stopwatch();
   bool is_done = false;
   while (!is_done) {
     step_unless_interrupted(loader);
     shown.advance(options_.batch_size);
-    is_done = step_ == end || time_share() >= 1.0;
+    is_done = step_ == end_ || time_share() >= 1.0;
     if (step_ % options_.validate_every == 0 || is_done) validate(loader);
-    is_done = is_done || has_run_out_of_patience();
+    is_done = is_done || has_run_out_of_patience(metrics_, options_);
   }
   return metrics_;
 }
@@ -167,7 +173,7 @@ void Trainer::validate(const BatchLoader& loader) {
   if (is_best(metrics)) task_.save(run_.model, *averaged_);
   metrics_.push_back(metrics);
   save_checkpoint();
-  if (run_.report) run_.report(metrics_);
+  if (run_.report) run_.report(metrics_, seconds_left());
   loss_sum_ = 0.0;
   loss_count_ = 0;
   waited_before_ = loader.waited_seconds();
@@ -181,11 +187,10 @@ bool Trainer::is_best(const TrainingMetrics& metrics) const {
   });
 }
 
-bool Trainer::has_run_out_of_patience() const {
-  if (options_.patience == 0 || metrics_.empty()) return false;
-  const auto error = [](const TrainingMetrics& m) { return m.validation.back(); };
-  const auto best = std::ranges::min_element(metrics_, {}, error);
-  return metrics_.end() - best > options_.patience;
+double Trainer::seconds_left() const {
+  const double elapsed = whole_time_.seconds();
+  const double left = elapsed * static_cast<double>(end_ - step_) / static_cast<double>(step_ - first_step_);
+  return run_.minutes > 0.0 ? std::clamp(60.0 * run_.minutes - elapsed, 0.0, left) : left;
 }
 
 std::string Trainer::identity() const {
@@ -203,6 +208,7 @@ void Trainer::load_initial() {
   copy(averaged_->parameters(), network_.parameters());
   copy(averaged_->buffers(), network_.buffers());
   network_.share_buffers();
+  if (run_.report_initial) run_.report_initial(task_.validate(*averaged_, device_));
 }
 
 void Trainer::save_checkpoint() {

@@ -41,7 +41,8 @@ class Trainer {
   /// Measures the averaged network, keeps it where it is the best so far, and writes a checkpoint.
   void validate(const BatchLoader& loader);
   bool is_best(const TrainingMetrics& metrics) const;
-  bool has_run_out_of_patience() const;
+  /// How long it will take from here, if it goes on as in this run [s].
+  double seconds_left() const;
 
   /// Begins with another training's weights: for more samples, or the user's own.
   void load_initial();
@@ -59,6 +60,8 @@ class Trainer {
   std::shared_ptr<TrainableModule> averaged_;
   Optimiser optimiser_;
   std::int64_t step_ = 0;
+  std::int64_t first_step_ = 0;  // of this run
+  std::int64_t end_;             // step at which this run ends
   std::vector<TrainingMetrics> metrics_;
   double loss_sum_ = 0.0;
   std::int64_t loss_count_ = 0;

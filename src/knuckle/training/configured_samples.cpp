@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/configured_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "knuckle/core/error.h"
+#include "knuckle/prepare/open_source.h"
+#include "knuckle/prepare/sample_cache.h"
+
+namespace knuckle {
+namespace {
+
+constexpr double kBytesPerGigabyte = 1e9;
+
+std::int64_t frames_of(const std::string& name, const Convention& convention, int most) {
+  const auto source = open_source(name);
+  require_shared_landmarks(*source, convention, name);
+  return most > 0 ? std::min<std::int64_t>(most, source->size()) : source->size();
+}
+
+SampleOptions options_of(const NetworkTrainingConfig& config) {
+  return {.convention = convention_from_name(config.network.convention),
+          .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
+          .crop_px = config.samples.crop_px,
+          .start = config.start,
+          .around_joints = config.samples.centre == "joints"};
+}
+
+/// The smaller of two numbers of frames, of which 0 is no limit.
+std::int64_t least(std::int64_t a, std::int64_t b) {
+  return a == 0 || b == 0 ? std::max(a, b) : std::min(a, b);
+}
+
+}  // namespace
+
+SampleOptions sample_options(const NetworkTrainingConfig& config, const TrainingSource& source,
+                             Holdout::Part part) {
+  SampleOptions options = options_of(config);
+  const bool is_left = source.side == "left";
+  if (is_left != config.finder.hand().is_left()) options.side = is_left ? HandSide::left : HandSide::right;
+  options.holdout = {source.holdout, part};
+  return options;
+}
+
+namespace {
+
+/// Makes the samples of a configuration one source after another.
+class SampleMaker {
+ public:
+  SampleMaker(const NetworkTrainingConfig& config, const std::filesystem::path& cache,
+              std::int64_t most_of_each)
+      : config_(config), cache_(cache), most_of_each_(most_of_each) {}
+
+  NetworkSamples validation() const {
+    const std::int64_t most = least(config_.samples.most_validation, most_of_each_);
+    if (!config_.validation.empty()) {
+      SampleOptions options = options_of(config_);
+      options.most = most;
+      return made(config_.validation, options);
+    }
+    std::vector<NetworkSamples> parts;
+    for (const TrainingSource& source : config_.sources) {
+      if (source.holdout == 0.0) continue;
+      SampleOptions options = sample_options(config_, source, Holdout::Part::validation);
+      options.most = most;
+      parts.push_back(made(source.source, options));
+    }
+    return joined(std::move(parts));
+  }
+
+  SetSamples set(const TrainingSource& source) const {
+    SampleOptions options = sample_options(config_, source, Holdout::Part::training);
+    options.most = least(source.most, most_of_each_);
+    SetSamples set{made(source.source, options), std::nullopt, source.weight};
+    if (source.most_things > 0) {
+      options.most = least(source.most_things, most_of_each_);
+      set.things.emplace(cache_.things(source.source, config_.detector, options));
+    }
+    return set;
+  }
+
+ private:
+  NetworkSamples made(const std::string& source, const SampleOptions& options) const {
+    return cache_.samples(source, config_.finder, config_.segmentation, options);
+  }
+
+  static NetworkSamples joined(std::vector<NetworkSamples> parts) {
+    if (parts.size() == 1) return std::move(parts.front());
+    std::int64_t count = 0;
+    for (const NetworkSamples& part : parts) count += part.samples.size();
+    const CubeSamples& first = parts.front().samples;
+    NetworkSamples all{CubeSamples(count, first.joint_count(), first.patch(), first.crop_px()), {}};
+    std::int64_t place = 0;
+    for (const NetworkSamples& part : parts) {
+      for (std::int64_t i = 0; i < part.samples.size(); ++i) all.samples.set(place++, part.samples.sample(i));
+      all.frames.add(part.frames);
+    }
+    all.samples.finish();
+    return all;
+  }
+
+  const NetworkTrainingConfig& config_;
+  SampleCache cache_;
+  std::int64_t most_of_each_;
+};
+
+}  // namespace
+
+std::vector<TrainingCrops> ConfiguredSamples::crops() const {
+  std::vector<TrainingCrops> crops;
+  crops.reserve(sets.size());
+  for (const SetSamples& set : sets) crops.push_back(set.crops());
+  return crops;
+}
+
+SampleFrames ConfiguredSamples::frames() const {
+  SampleFrames sum;
+  for (const SetSamples& set : sets) sum.add(set.hands.frames);
+  return sum;
+}
+
+void check_sources(const NetworkTrainingConfig& config) {
+  const Convention convention = convention_from_name(config.network.convention);
+  std::int64_t count = 0;
+  for (const TrainingSource& source : config.sources) {
+    count += frames_of(source.source, convention, source.most);
+    if (source.most_things > 0) count += frames_of(source.source, convention, source.most_things);
+  }
+  if (!config.validation.empty())
+    count += frames_of(config.validation, convention, config.samples.most_validation);
+  const double gigabytes =
+      static_cast<double>(CubeSamples::bytes(count, convention.size(), config.samples.crop_px)) /
+      kBytesPerGigabyte;
+  if (gigabytes > config.samples.memory_gb) {
+    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`", count, gigabytes,
+         config.samples.memory_gb);
+  }
+}
+
+ConfiguredSamples configured_samples(const NetworkTrainingConfig& config, const std::filesystem::path& cache,
+                                     std::int64_t most_of_each) {
+  const SampleMaker maker(config, cache, most_of_each);
+  ConfiguredSamples samples{{}, maker.validation()};
+  for (const TrainingSource& source : config.sources) samples.sets.push_back(maker.set(source));
+  return samples;
+}
+
+std::vector<bool> known_joints(const CubeSamples& samples) {
+  std::vector<bool> known(static_cast<std::size_t>(samples.joint_count()), false);
+  for (std::int64_t i = 0; i < samples.size(); ++i) {
+    const std::span<const float> joints = samples.sample(i).joints;
+    for (std::size_t j = 0; j < known.size(); ++j) {
+      if (std::isfinite(joints[3 * j] + joints[3 * j + 1] + joints[3 * j + 2])) known[j] = true;
+    }
+  }
+  return known;
+}
+
+std::vector<Landmark> unknown_landmarks(const NetworkTrainingConfig& config,
+                                        const ConfiguredSamples& samples) {
+  const Convention convention = convention_from_name(config.network.convention);
+  std::vector<bool> known(convention.landmarks.size(), false);
+  for (const SetSamples& set : samples.sets) {
+    const std::vector<bool> of_set = known_joints(set.hands.samples);
+    for (std::size_t j = 0; j < known.size(); ++j) known[j] = known[j] || of_set[j];
+  }
+  std::vector<Landmark> unknown;
+  for (std::size_t j = 0; j < known.size(); ++j) {
+    if (!known[j]) unknown.push_back(convention.landmarks[j]);
+  }
+  return unknown;
+}
+
+}  // namespace knuckle
