@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 #include <torch/utils.h>
@@ -86,10 +85,7 @@ std::vector<TrainingMetrics> Trainer::train() {
   if (step_ >= end_ || has_run_out_of_patience(metrics_, options_)) return metrics_;
   BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
   BatchLoader loader(std::move(plan), step_, end_);
-  // In limited time nobody knows how many samples it will be.
-  std::optional<std::int64_t> total;
-  if (run_.minutes == 0.0) total = end_ * options_.batch_size;
-  Progress shown("train", "samples", total, step_ * options_.batch_size);
+  Progress shown("train", "samples", end_ * options_.batch_size, step_ * options_.batch_size);
   first_step_ = step_;
   whole_time_ = Stopwatch();
   since_validation_ = Stopwatch();
