@@ -75,8 +75,8 @@ struct PipelineParts {
 class Pipeline {
  public:
   /// The pipeline that a file describes. An estimator of one's own, where one is given, takes the place of
-  /// the tables `[estimator]` and `[patch]`, of which nothing is read then. Throws an Error that names file, line and key
-  /// where the file, or a model that it names, is wrong.
+  /// the tables `[estimator]` and `[patch]`, of which nothing is read then. Throws an Error that names file,
+  /// line and key where the file, or a model that it names, is wrong.
   static Pipeline load(const std::filesystem::path& path, std::unique_ptr<Estimator> own = nullptr);
   /// The pipeline that the text of such a file describes; relative paths in it start from `folder`. Messages
   /// call it "pipeline" where they would name a file.
