@@ -78,9 +78,10 @@ void run_export(const LabelsArguments& arguments) {
   const auto source = open_source(arguments.source);
   const LabelBook book = read_label_file(label_file(arguments.labels, arguments.author));
   const LabelledSource labelled(*source, book, options_of(arguments));
-  if (labelled.labelled_count() == 0)
+  if (labelled.labelled_count() == 0) {
     fail("{}: no hand is {}; --state says how sure hands have to be", arguments.labels.string(),
          name_of(arguments.state));
+  }
   if (arguments.format == "poses") {
     write_poses(labelled, arguments.out);
   } else {
@@ -102,9 +103,10 @@ std::vector<HandPose> poses_to_import(const LabelsArguments& arguments, const Fr
     return poses;
   }
   PoseSequence sequence = read_poses_file(arguments.poses, std::nullopt, source.pixel_origin());
-  if (static_cast<std::int64_t>(sequence.poses.size()) != source.size())
+  if (static_cast<std::int64_t>(sequence.poses.size()) != source.size()) {
     fail("{}: {} poses, the source has {} frames", arguments.poses.string(), sequence.poses.size(),
          source.size());
+  }
   return std::move(sequence.poses);
 }
 

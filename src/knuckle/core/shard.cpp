@@ -63,9 +63,10 @@ Shard shard_from_text(std::string_view text) {
 }
 
 IndexRange part_of(const IndexRange& whole, const Shard& shard) {
-  if (shard.count > whole.count)
+  if (shard.count > whole.count) {
     fail("--shard {}/{}: there are {} frames, expected a frame for each shard", shard.number, shard.count,
          whole.count);
+  }
   // Both are at most limits::kFrames: their product fits.
   const auto begin = [&](std::int64_t number) { return whole.first + whole.count * number / shard.count; };
   return {begin(shard.number), begin(shard.number + 1) - begin(shard.number)};

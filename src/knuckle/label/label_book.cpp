@@ -48,9 +48,10 @@ LabelState HandHistory::state() const {
 }
 
 void LabelBook::take_head(LabelHead head, std::string_view where) {
-  if (head.frames != head_.frames || !(head.convention == head_.convention))
+  if (head.frames != head_.frames || !(head.convention == head_.convention)) {
     fail("{}: another number of frames or convention than in the first line; labels of one source only",
          where);
+  }
   head_ = std::move(head);
 }
 
@@ -58,9 +59,10 @@ void LabelBook::add(LabelChange change, std::string_view where) {
   const HandKey key{change.frame, change.side};
   const HandHistory* const before = find(key);
   const std::int64_t next = before == nullptr ? 1 : before->revision() + 1;
-  if (change.revision != next)
+  if (change.revision != next) {
     fail("{}: revision {} of the {} hand of frame {}, expected {}", where, change.revision,
          change.side == HandSide::left ? "left" : "right", change.frame, next);
+  }
   if (change.landmarks.size() != head_.convention.landmarks.size())
     fail("{}: {} landmarks, expected {}", where, change.landmarks.size(), head_.convention.size());
   note_ages(change, before == nullptr ? nullptr : &before->newest());

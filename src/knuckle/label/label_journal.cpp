@@ -77,18 +77,21 @@ void LabelJournal::read_or_begin(const LabelHead& head, ChangedSource changed) {
 
 void LabelJournal::require_same_source(const LabelHead& head, ChangedSource changed) {
   const LabelHead& found = book_->head();
-  if (found.frames != head.frames)
+  if (found.frames != head.frames) {
     fail("{}: labels of {} with {} frames; {} has {}: choose another folder for its labels", path_.string(),
          found.source, found.frames, head.source, head.frames);
-  if (!(found.convention == head.convention))
+  }
+  if (!(found.convention == head.convention)) {
     fail("{}: labels in the convention {}, not {}; go on with --convention {}, or choose another folder",
          path_.string(), found.convention.name, head.convention.name, found.convention.name);
+  }
   if (found.fingerprint == head.fingerprint && found.camera == head.camera) return;
-  if (changed == ChangedSource::refuse)
+  if (changed == ChangedSource::refuse) {
     fail(
         "{}: the frames of {} have changed since these labels of {} were made; where they are the same to a "
         "person's eye, go on with --accept-changed-source",
         path_.string(), head.source, found.source);
+  }
   book_->take_head(head, path_.string());
   write_line(to_json_line(head) + "\n");
 }

@@ -67,9 +67,10 @@ LabelRequest parse_label_request(std::string_view text, const LabelHead& head) {
     request.v = number_in(fields.at("pixel"), 2, 1, label_json::kFarthestPx);
   }
   if (fields.has("point_mm")) {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
       request.point_mm[i] =
           number_in(fields.at("point_mm"), 3, static_cast<std::size_t>(i), label_json::kFarthestMm);
+    }
   }
   if (fields.has("visible")) request.is_visible = fields.at("visible").flag();
   if (fields.has("preview")) request.is_preview = fields.at("preview").flag();

@@ -83,9 +83,10 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
   document.finish();
   check(config.network, path.string());
   for (const TrainingSource& source : config.sources) {
-    if (source.most_things > 0 && config.detector.empty())
+    if (source.most_things > 0 && config.detector.empty()) {
       fail("{}: most_things is {}, and no 'detector' is named that finds them", path.string(),
            source.most_things);
+    }
   }
   config.resolved_options = document.resolved_toml();
   return config;
