@@ -130,7 +130,7 @@ std::optional<ReadLabels> read_labels(std::string_view text, std::string_view na
     const std::string where = fmt::format("{}:{}", name, ++number);
     begin = end + 1;
     if (!read) {
-      read.emplace(LabelBook(parse_label_head(line, where)));
+      read = ReadLabels{LabelBook(parse_label_head(line, where))};
     } else if (is_label_head(line)) {
       read->book.take_head(parse_label_head(line, where), where);
     } else {

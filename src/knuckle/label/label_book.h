@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "knuckle/label/label_change.h"
@@ -18,7 +18,10 @@ struct HandKey {
   std::int64_t frame = 0;
   HandSide side = HandSide::right;
 
-  auto operator<=>(const HandKey&) const = default;
+  bool operator==(const HandKey&) const = default;
+  bool operator<(const HandKey& other) const {
+    return std::tie(frame, side) < std::tie(other.frame, other.side);
+  }
 };
 
 /// The changes of one hand, in order; never empty.
