@@ -153,10 +153,11 @@ class LabelServer::Impl {
   }
 
   void tell(HandKey hand, std::int64_t revision) {
-    const std::string text = fmt::format(R"({{"frame":{},"side":"{}","revision":{}}})", hand.frame,
-                                         hand.side == HandSide::left ? "left" : "right", revision);
-    server_.publish(std::make_shared<const WebUpdate>(
-        WebUpdate{.text = [text] { return text; }, .image = [] { return std::vector<std::uint8_t>(); }}));
+    std::string text = fmt::format(R"({{"frame":{},"side":"{}","revision":{}}})", hand.frame,
+                                   hand.side == HandSide::left ? "left" : "right", revision);
+    server_.publish(
+        std::make_shared<const WebUpdate>(WebUpdate{.text = [text = std::move(text)] { return text; },
+                                                    .image = [] { return std::vector<std::uint8_t>(); }}));
   }
 
   /// While nobody asks: a person who waits comes first.

@@ -21,9 +21,9 @@ class LiveServer::Impl {
       const std::lock_guard lock(mutex_);
       newest_ = update;
     }
-    server_.publish(
-        std::make_shared<const WebUpdate>(WebUpdate{.text = [update] { return to_json_line(update->record); },
-                                                    .image = [update] { return frame_message(*update); }}));
+    server_.publish(std::make_shared<const WebUpdate>(
+        WebUpdate{.text = [update] { return to_json_line(update->record); },
+                  .image = [update = std::move(update)] { return frame_message(*update); }}));
   }
 
  private:
