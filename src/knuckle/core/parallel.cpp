@@ -41,9 +41,8 @@ void parallel_for(std::int64_t count, const std::function<void(std::int64_t)>& w
     end_if_interrupted();
     work(i);
   };
-  ThreadHandOver::give();
+  const WorkHandOver whole_work;
   tbb::parallel_for(std::int64_t{0}, count, task);
-  ThreadHandOver::take();
 }
 
 }  // namespace knuckle

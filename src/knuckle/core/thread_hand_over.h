@@ -43,4 +43,13 @@ class TaskHandOver {
   TaskHandOver& operator=(const TaskHandOver&) = delete;
 };
 
+/// Gives as work for tasks begins, and takes when all of them have ended, by an exception or not.
+class WorkHandOver {
+ public:
+  WorkHandOver() { ThreadHandOver::give(); }
+  ~WorkHandOver() { ThreadHandOver::take(); }
+  WorkHandOver(const WorkHandOver&) = delete;
+  WorkHandOver& operator=(const WorkHandOver&) = delete;
+};
+
 }  // namespace knuckle
