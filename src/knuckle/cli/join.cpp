@@ -21,7 +21,9 @@ void run_join(const JoinArguments& arguments) {
 
 void add_join(CLI::App& program) {
   CLI::App& verb = add_verb(program, "join", "Join the parts of a set that `render --shard` made",
-                            "knuckle join parts/*.h5 --out train.h5");
+                            "knuckle render --manifest manifests/demo.toml --shard 0/2 --out part0.h5\n"
+                            "  knuckle render --manifest manifests/demo.toml --shard 1/2 --out part1.h5\n"
+                            "  knuckle join part0.h5 part1.h5 --out joined.h5");
   auto arguments = std::make_shared<JoinArguments>();
   verb.add_option("parts", arguments->parts, "Files with parts of one set, in any order")
       ->type_name("PART...")
