@@ -26,8 +26,10 @@ case "$out" in {killed}) ;; *) exec {program} "$@" ;; esac
 [ -e "$out.killed" ] && exec {program} "$@"
 touch "$out.killed"
 {program} "$@" &
-while [ "$(stat -c %s "$out.partial" 2>/dev/null || echo 0)" -lt 20000 ]; do sleep 0.01; done
-kill -KILL $!
+while kill -0 $! 2>/dev/null && [ "$(stat -c %s "$out.partial" 2>/dev/null || echo 0)" -lt 20000 ]; do sleep 0.01; done
+kill -KILL $! 2>/dev/null
+wait $! 2>/dev/null
+rm -f "$out"  # where it was faster than this script
 exit 137
 """
 
