@@ -46,7 +46,7 @@ REPLACED = [
     # Tests of their own (ExperimentTest, Scia15Test) run experiments.
     (r"^(\S*knuckle) experiment scia15", r"knows_options \1 experiment"),
     # Goes on until Ctrl-C: the options are looked up, and what a person would verify is imported.
-    (r"^(\S*knuckle) annotate", r"is_labelled \1"),
+    (r"^\s*(\S*knuckle) annotate", r"is_labelled \1"),
     # Hours of work at full size; options and files are as typed.
     (r"knuckle_bench", "knuckle_bench --benchmark_filter=^patch/ --benchmark_min_time=0.01"),
     (r"knuckle_pose_coverage", "knuckle_pose_coverage --samples 200 --people 2 --step 5000"),
