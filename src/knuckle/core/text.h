@@ -25,6 +25,9 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// `text` without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// `text` with A to Z as a to z; other characters stay.
+std::string lower_case(std::string_view text);
+
 /// `text` as it may be shown on a terminal: control characters, characters that change the direction of
 /// writing, and bytes that are no UTF-8 as \\n, \\t, \\xNN or \\u{NNNN}.
 std::string printable(std::string_view text);

@@ -35,6 +35,11 @@ TEST(TextTest, HalfANumberIsNone) {
   EXPECT_THAT(error_of([] { parse_integer("99999999999999999999", "f"); }), HasSubstr("out of range"));
 }
 
+TEST(TextTest, LowerCaseIsThatOfTheAlphabetAlone) {
+  EXPECT_EQ(lower_case("AZaz @[ \xC3\x84 09_"), "azaz @[ \xC3\x84 09_");
+  EXPECT_EQ(lower_case(""), "");
+}
+
 TEST(TextTest, SplitKeepsEmptyParts) {
   EXPECT_THAT(split("a,,b,", ','), ElementsAre("a", "", "b", ""));
   EXPECT_THAT(split("", ','), ElementsAre(""));

@@ -33,12 +33,6 @@ bool is_loopback_v4(std::string_view name) {
          });
 }
 
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
-
 /// The machine and port that a page comes from; nothing where the text is no origin of http or https.
 std::optional<std::string_view> host_of_origin(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"}) {

@@ -37,14 +37,6 @@ ImageKind kind_of(const RosRecording& recording, const std::string& topic) {
   return {};
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
-
 bool is_named_depth(std::string_view topic) {
   return lower_case(topic).find("depth") != std::string::npos;
 }

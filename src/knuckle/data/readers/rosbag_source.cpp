@@ -11,14 +11,6 @@
 namespace knuckle {
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
-}
-
 /// A bag with its messages as ROS 1 serialises them.
 class RosbagRecording final : public RosRecording {
  public:
@@ -69,7 +61,7 @@ std::string RosbagRecording::unit_topic_of(std::string_view image_topic) const {
   const std::string prefix = std::string(image_topic.substr(0, sensor)) + "/option/";
   for (const std::string& topic : topics_of("std_msgs/Float32")) {
     if (!topic.starts_with(prefix)) continue;
-    std::string name = lower(std::string_view(topic).substr(prefix.size()));
+    std::string name = lower_case(std::string_view(topic).substr(prefix.size()));
     std::ranges::replace(name, ' ', '_');
     if (name == "depth_units/value") return topic;
   }
