@@ -10,12 +10,12 @@ find_package(tomlplusplus REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
-pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
+pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)  # tests write files with it
 find_package(PNG REQUIRED)
 find_package(BZip2 REQUIRED)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
-find_package(ZLIB REQUIRED)  # tests compare with it
+find_package(ZLIB REQUIRED)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)  # its CMake package needs files that Debian leaves out
 find_package(Threads REQUIRED)
 
