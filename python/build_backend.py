@@ -2,8 +2,9 @@
 """Makes a wheel of a checkout, for pip (PEP 517), with CMake and the standard library alone.
 
 The extension is built in build/release, or in the folder that `--config-settings build-folder=FOLDER` names; a folder that
-is configured already keeps its options. The wheel holds the extension, both shared libraries, pipelines, models, manifests
-and the body where set-up has fetched it; what these libraries link stays Debian's, so it is for machines that have them.
+is configured already keeps its options. The wheel holds the extension, both shared libraries, the program for cameras,
+pipelines, models, landmark definitions, manifests, and the body where set-up has fetched it; what these libraries link stays
+Debian's, so it is for machines that have them.
 """
 
 import base64
@@ -90,7 +91,8 @@ def pack(staged, wheel):
 
     with zipfile.ZipFile(wheel, "w") as archive:
         for path in sorted(filter(is_packed, staged.rglob("*"))):
-            add(path.relative_to(staged).as_posix(), path.read_bytes(), 0o755 if ".so" in path.name else 0o644)
+            is_code = ".so" in path.name or path.parent.parent.name == "libexec"
+            add(path.relative_to(staged).as_posix(), path.read_bytes(), 0o755 if is_code else 0o644)
         for name, content in information_files().items():
             add(f"{information_folder()}/{name}", content)
         own_name = f"{information_folder()}/RECORD"

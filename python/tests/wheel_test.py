@@ -71,6 +71,17 @@ class Wheel(unittest.TestCase):
         self.assertEqual(len(libraries), 2)
         self.assertEqual(version, build_backend.version())
 
+    def test_it_can_ask_for_cameras(self):
+        place = self.folder / "with_cameras"
+        for entry in self.archive.infolist():  # as pip unpacks: what may be run stays so
+            path = pathlib.Path(self.archive.extract(entry, place))
+            path.chmod(entry.external_attr >> 16 & 0o777)
+        ask = "import knuckle; next(iter(knuckle.open_stream('openni2:no such device')))"
+        result = subprocess.run([sys.executable, "-c", ask], cwd=self.folder, env={**os.environ, "PYTHONPATH": str(place)},
+                                capture_output=True, text=True)
+        self.assertIn("openni2", result.stderr.splitlines()[-1].lower())
+        self.assertNotIn("cannot be found: there is no", result.stderr)
+
     def test_a_build_for_another_python_is_refused(self):
         with tempfile.TemporaryDirectory() as staged, self.assertRaisesRegex(SystemExit, "build-folder"):
             extension, build_backend.EXTENSION = build_backend.EXTENSION, "_knuckle.cpython-27.so"

@@ -28,6 +28,16 @@ TEST(StreamClock, NeverGoesBack) {
   EXPECT_DOUBLE_EQ(clock.time_s(100.75, 10.75), 0.75);
 }
 
+TEST(StreamClock, NeverGoesBackToTheArrivalsWhereTheDeviceIsAhead) {
+  StreamClock clock;
+  clock.time_s(100.0, 10.0);
+  EXPECT_DOUBLE_EQ(clock.time_s(100.75, 10.25), 0.75);
+  EXPECT_DOUBLE_EQ(clock.time_s(3.0, 10.5), 0.75) << "neither the stamp nor the arrival may be told";
+  clock.restart_device();
+  EXPECT_DOUBLE_EQ(clock.time_s(5.0, 10.5), 0.75);
+  EXPECT_DOUBLE_EQ(clock.time_s(5.25, 10.75), 1.0) << "it goes on from the last frame";
+}
+
 TEST(StreamClock, ALeapIsReplacedByTheArrival) {
   StreamClock clock;
   clock.time_s(100.0, 10.0);
