@@ -37,15 +37,17 @@ TEST(Intrinsics, WhatIsSaidCountsMoreThanWhatTheDeviceReports) {
 
 TEST(Intrinsics, AFileSaysThemAndHasToFit) {
   const testing::TemporaryFolder folder;
-  const auto file = [&](int width) {
-    write_text_file(folder / "c.toml",
-                    fmt::format("[camera]\nwidth={}\nheight=480\nfx=500\nfy=501\ncx=320\ncy=240\n", width));
+  const auto file = [&](int width, int height = 480) {
+    write_text_file(
+        folder / "c.toml",
+        fmt::format("[camera]\nwidth={}\nheight={}\nfx=500\nfy=501\ncx=320\ncy=240\n", width, height));
     return IntrinsicsOptions{.camera = (folder / "c.toml").string()};
   };
   EXPECT_EQ(found(file(640)).camera.fy, 501.0);
   EXPECT_THAT(found(file(640)).origin, HasSubstr("c.toml"));
   EXPECT_THAT(error_of([&] { found(file(848)); }),
               AllOf(HasSubstr("v4l2:/dev/video2: sends images of 640x480"), HasSubstr("c.toml has 848x480")));
+  EXPECT_THAT(error_of([&] { found(file(640, 360)); }), HasSubstr("c.toml has 640x360"));
   EXPECT_THAT(error_of([&] { found({.camera = "c.toml", .fov_deg = 60.0}); }), HasSubstr("leave one out"));
   EXPECT_THAT(error_of([&] { found({.camera = "none.toml"}); }), HasSubstr("none.toml"));
 }

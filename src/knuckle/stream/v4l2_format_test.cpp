@@ -20,6 +20,13 @@ TEST(V4l2Format, TheKernelsLettersNameTheFormats) {
   EXPECT_EQ(four_letters(format_named("y16").code), "Y16");
 }
 
+// What RealSense D4xx (Z16: 1 mm) and SR300 (INZI: 1/8 mm) deliver.
+TEST(V4l2Format, CountsAreWorthWhatTheirFormatSays) {
+  EXPECT_EQ(format_named("z16").depth_unit_mm, 1.0);
+  EXPECT_EQ(format_named("inzi").depth_unit_mm, 0.125);
+  EXPECT_EQ(format_named("y16").depth_unit_mm, 1.0);
+}
+
 TEST(V4l2Format, DepthIsLittleEndianInItsUnit) {
   const std::vector<std::uint8_t> bytes{0x01, 0x00, 0x00, 0x02, 0, 0, 0xFF, 0xFF};
   const V4l2Images images = decode_v4l2(bytes, {format_named("z16"), 2, 2, 4}, 0.25);
