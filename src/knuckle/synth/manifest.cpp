@@ -37,9 +37,12 @@ void check_scene(const OptionTable& manifest_table, const Manifest& manifest) {
     manifest_table.table("camera").fail_at("model", "is orthographic, but [scene] needs a projective camera");
   }
   if (manifest.scene.touching_share > 0.0 && manifest.scene.second_share > 0.0 &&
-      manifest.motion.is_smooth()) {
-    manifest_table.table("scene").fail_at("touching_share",
-                                          "is not 0, but the motion is smooth: hands would part");
+      manifest.motion.is_smooth() && manifest.scene.second_pass_frames == 0) {
+    manifest_table.table("scene").fail_at(
+        "touching_share", "is not 0, but the motion is smooth and second_pass_frames is 0: hands would part");
+  }
+  if (manifest.scene.second_pass_frames > 0 && !manifest.motion.is_smooth()) {
+    manifest_table.table("scene").fail_at("second_pass_frames", "is not 0, but the motion is not smooth");
   }
   if (manifest.motion.sequence_frames > 0 && !manifest.motion.is_smooth()) {
     manifest_table.table("pose").fail_at("sequence_frames", "is not 0, but the motion is not smooth");

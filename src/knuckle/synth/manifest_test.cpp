@@ -101,6 +101,8 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[scene]\ngrasps = ['pinch']", "held_share is 0"},
       {"[scene]\nsecond_share = 0.5\ncrossed_share = 0.7\ntouching_share = 0.7", "crossed_share"},
       {"[pose]\nmotion = 'smooth'\n[scene]\nsecond_share = 0.5", "touching_share"},
+      {"[scene]\nsecond_share = 0.5\nsecond_pass_frames = 60", "scene.second_pass_frames"},
+      {"[pose]\nmotion = 'smooth'\n[scene]\nsecond_pass_frames = -1", "second_pass_frames"},
       {"[pose]\nsequence_frames = 10", "m.toml:2: pose.sequence_frames"},
       {"[scene]\nempty_share = 0.6\ncut_share = 0.5", "cut_share"},
       {"[pose]\nmotion = 'smooth'\n[scene]\nempty_share = 0.5", "m.toml:4: scene.empty_share"},

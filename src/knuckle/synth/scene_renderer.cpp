@@ -93,6 +93,18 @@ double visible_share_of(const Rendering& alone, const Image<std::uint8_t>& label
   return whole > 0 ? static_cast<double>(visible) / static_cast<double>(whole) : 0.0;
 }
 
+/// A skin that is at `phase` of a path, at some places along it: the same ones whatever the phase.
+std::vector<Eigen::Vector3f> places_along(const HandPath& path, double phase,
+                                          std::span<const Eigen::Vector3f> skin) {
+  constexpr int kPlaces = 5;  // of one way
+  std::vector<Eigen::Vector3f> places;
+  for (int i = 0; i < kPlaces; ++i) {
+    const Eigen::Vector3d shift = path.shift(0.5 * i / (kPlaces - 1)) - path.shift(phase);
+    for (const Eigen::Vector3f& point : skin) places.emplace_back(point + shift.cast<float>());
+  }
+  return places;
+}
+
 }  // namespace
 
 /// What a scene is about.
@@ -112,6 +124,7 @@ struct SceneRenderer::Drawing {
       stages;  ///< and then things: where faces end with all of them, with less, with none
   Landmarks landmarks;
   std::optional<SecondHand> second;
+  std::vector<Eigen::Vector3f> second_places;  ///< its skin all along its path, of one that passes
   SceneActors actors;
   bool has_hand = true;
 
@@ -191,7 +204,17 @@ void SceneRenderer::add_cut_arm(Drawing& drawing, const std::vector<float>& alon
   drawing.add_faces(kept, PixelLabel::person);
 }
 
-/// Where the second hand is when the hand is where the scene was made for.
+/// Of the hand, at some moments of the sequence.
+std::vector<std::array<Point3, kSupersetSize>> SceneRenderer::landmarks_of_sequence(const Cast& cast) const {
+  std::vector<Landmarks> moments;
+  for (const PlacedPosture& moment : cast.postures.sequence) {
+    moments.push_back(
+        cast.person.rig->landmarks(cast.person.rig->pose(moment.posture, moment.camera_from_body)));
+  }
+  return moments;
+}
+
+/// Where the second hand is when the hand is where the scene was made for; one that passes, where it is now.
 void SceneRenderer::add_second_hand(Drawing& drawing, const Cast& cast) const {
   Random random(cast.seed, kSecond);
   if (random.uniform() >= options_.second_share) return;
@@ -200,13 +223,20 @@ void SceneRenderer::add_second_hand(Drawing& drawing, const Cast& cast) const {
                               : draw < options_.crossed_share + options_.touching_share
                                   ? HandMeeting::touching
                                   : HandMeeting::near;
-  drawing.second = sampled_second_hand(*cast.person.rig, cast.reference(), drawing.actors.landmarks,
-                                       postures_, meeting, random);
+  const bool passes = options_.second_pass_frames > 0;
+  FirstHand hand{cast.reference(), drawing.actors.landmarks, {}};
+  if (passes) hand.moments = landmarks_of_sequence(cast);
+  drawing.second = sampled_second_hand(*cast.person.rig, hand, postures_, meeting, passes, random);
   if (!drawing.second) return;
+  const double phase = passes ? static_cast<double>(cast.postures.frame % options_.second_pass_frames) /
+                                    options_.second_pass_frames
+                              : 0.0;
+  if (passes) drawing.second = drawing.second->at(phase);
   const std::size_t first = drawing.mesh.vertices.size();
   const auto skin = skin_of(*drawing.second, *cast.person.rig, limb_vertices_, skinning_);
   drawing.mesh.vertices.insert(drawing.mesh.vertices.end(), skin.begin(), skin.end());
   drawing.add_reflected_faces(hand_faces_, PixelLabel::other_hand, first);
+  if (passes) drawing.second_places = places_along(drawing.second->path, phase, skin);
 }
 
 /// Arms, trunk and clothes.
@@ -267,12 +297,15 @@ SceneRenderer::Drawing SceneRenderer::drawing_of(const Cast& cast, bool may_have
   drawing.held_end = drawing.mesh.faces.size();
   drawing.stages = {drawing.held_end};
   if (!kind.cut_mm) {
-    // Things keep clear of what is there by now; in a sequence, of what stands still.
+    // Things keep clear of what is there by now; in a sequence, of what stands still, and of all its places.
     const auto first = drawing.mesh.vertices.begin() + static_cast<std::ptrdiff_t>(posed.vertices.size());
     const auto end = cast.postures.sequence.empty() ? drawing.mesh.vertices.end()
-                     : drawing.second               ? first + static_cast<std::ptrdiff_t>(limb_vertices_)
-                                                    : first;
-    drawing.actors.points.insert(drawing.actors.points.end(), first, end);
+                     : drawing.second && drawing.second_places.empty()
+                         ? first + static_cast<std::ptrdiff_t>(limb_vertices_)
+                         : first;
+    std::vector<Eigen::Vector3f>& points = drawing.actors.points;
+    points.insert(points.end(), first, end);
+    points.insert(points.end(), drawing.second_places.begin(), drawing.second_places.end());
     add_things(drawing, cast);
   }
   return drawing;
@@ -401,7 +434,7 @@ ExactFrame SceneRenderer::render_frame(const ScenePerson& person, const ScenePos
 
 /// What hides too much of the hand in the first frame is left out of all.
 ExactFrame SceneRenderer::frame_of_sequence(const Cast& cast) const {
-  const ScenePostures at_first{cast.reference(), cast.postures.sequence};
+  const ScenePostures at_first{cast.reference(), cast.postures.sequence, 0};
   const Cast first{cast.person, at_first, cast.held, cast.camera, cast.seed};
   const std::size_t stage = stage_to_show(drawing_of(first, true), cast.camera);
   Drawing drawing = drawing_of(cast, true);

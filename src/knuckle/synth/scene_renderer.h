@@ -29,6 +29,7 @@ struct ScenePerson {
 struct ScenePostures {
   PlacedPosture now;
   std::vector<PlacedPosture> sequence;  ///< some moments, the first first; empty: the frame stands alone
+  std::int64_t frame = 0;               ///< its place in the sequence
 };
 
 /// Draws people among things, as the `[scene]` table of a manifest asks for. Safe to use from many threads.
@@ -65,6 +66,7 @@ class SceneRenderer {
   Drawing drawing_of(const Cast& cast, bool may_have_second) const;
   void add_person(Drawing& drawing, const Cast& cast, const SceneKind& kind) const;
   void add_cut_arm(Drawing& drawing, const std::vector<float>& along_mm, float cut_mm) const;
+  std::vector<std::array<Point3, kSupersetSize>> landmarks_of_sequence(const Cast& cast) const;
   void add_second_hand(Drawing& drawing, const Cast& cast) const;
   void add_held(Drawing& drawing, const Cast& cast, const BodyPose& pose) const;
   void add_things(Drawing& drawing, const Cast& cast) const;

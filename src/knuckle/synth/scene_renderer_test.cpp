@@ -196,6 +196,71 @@ TEST(Scenes, ThingsStandStillInASequence) {
   EXPECT_NE(frames[0].depth_mm, frames[12].depth_mm);
 }
 
+Point3 palm_in_camera(const HandTruth& hand, const Camera& camera) {
+  return Projection(camera).to_camera(hand.pose.joints[static_cast<std::size_t>(Landmark::palm)]);
+}
+
+TEST(Scenes, ASecondHandGoesPastTheFirstAndBack) {
+  Manifest manifest = scene_manifest();
+  constexpr int kFrames = 24;
+  manifest.frames = 8 * kFrames;
+  manifest.motion.motion = "smooth";
+  manifest.motion.sequence_frames = kFrames;
+  manifest.motion.sway_deg = 0.0;
+  manifest.scene = {.room_share = 1,
+                    .most_things = 4,
+                    .second_share = 1,
+                    .crossed_share = 1,
+                    .touching_share = 0,
+                    .second_pass_frames = kFrames};
+  const std::vector<Frame> frames = frames_of(manifest, 0);
+  int checked = 0;
+  for (int sequence = 0; sequence < 8; ++sequence) {
+    std::array<std::optional<Point3>, kFrames> palms;
+    for (int i = 0; i < kFrames; ++i) {
+      const Frame& frame = frames[static_cast<std::size_t>(kFrames * sequence + i)];
+      if (frame.hands.size() > 1)
+        palms[static_cast<std::size_t>(i)] = palm_in_camera(frame.hands[1], frame.camera);
+    }
+    if (!palms[0] || !palms[6] || !palms[12]) continue;
+    ++checked;
+    const Eigen::Vector3d way = *palms[12] - *palms[0];
+    EXPECT_GT(way.norm(), 290.0);
+    EXPECT_LT(way.norm(), 510.0);
+    EXPECT_LT((0.5 * (*palms[0] + *palms[12]) - *palms[6]).norm(), 0.5) << "a quarter is the middle";
+    if (palms[18]) {
+      EXPECT_LT((*palms[18] - *palms[6]).norm(), 0.5) << "it comes back the same way";
+    }
+  }
+  EXPECT_GT(checked, 0);
+}
+
+TEST(Scenes, ASecondHandThatTouchesComesAndGoesBack) {
+  Manifest manifest = scene_manifest();
+  constexpr int kFrames = 12;
+  manifest.frames = 10 * kFrames;
+  manifest.motion.motion = "smooth";
+  manifest.motion.sequence_frames = kFrames;
+  manifest.motion.sway_deg = 0.0;
+  manifest.pose = {};
+  manifest.scene = {
+      .second_share = 1, .crossed_share = 0, .touching_share = 1, .second_pass_frames = kFrames};
+  int touching = 0;
+  for (const Frame& frame : frames_of(manifest, 0)) {
+    if (frame.hands.size() < 2) continue;
+    std::array<std::array<Point3, kSupersetSize>, 2> landmarks;
+    const Projection projection(frame.camera);
+    for (int h = 0; h < 2; ++h) {
+      for (int k = 0; k < kSupersetSize; ++k)
+        landmarks[h][k] = projection.to_camera(frame.hands[h].pose.joints[k]);
+    }
+    const double gap = gap_of_hands_mm(hand_capsules(landmarks[0]), hand_capsules(landmarks[1]));
+    EXPECT_GT(gap, -12.0);
+    touching += gap < 5.0 ? 1 : 0;
+  }
+  EXPECT_GT(touching, 1);
+}
+
 TEST(Scenes, WithoutASceneNothingIsLabelled) {
   Manifest manifest = scene_manifest();
   manifest.scene = {};

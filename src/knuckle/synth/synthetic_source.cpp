@@ -162,11 +162,12 @@ class SyntheticSource final : public FrameSource {
     const std::uint64_t seed = scene_seed(index);
     const std::optional<Grasp> grasp = scenes_->grasp_of_scene(person, seed);
     const HandAngles* held_hand = grasp ? &grasp->hand : nullptr;
-    ScenePostures postures{posture(*person.rig, camera, index, held_hand), {}};
+    ScenePostures postures{posture(*person.rig, camera, index, held_hand), {}, 0};
     if (manifest_.motion.is_smooth()) {
       const std::int64_t length =
           manifest_.motion.sequence_frames > 0 ? manifest_.motion.sequence_frames : manifest_.frames;
       const std::int64_t first = index - index % length;
+      postures.frame = index - first;
       const std::int64_t end = std::min(first + std::min<std::int64_t>(length, kMostMoments * kStep), size());
       for (std::int64_t i = first; i < end; i += kStep)
         postures.sequence.push_back(posture(*person.rig, camera, i, held_hand));

@@ -20,6 +20,7 @@ void SceneOptions::visit(OptionVisitor& visitor) {
   visitor.real("second_share", second_share, closed(0, 1));
   visitor.real("crossed_share", crossed_share, closed(0, 1));
   visitor.real("touching_share", touching_share, closed(0, 1));
+  visitor.integer("second_pass_frames", second_pass_frames, closed(0, 10000));
   visitor.real("held_share", held_share, closed(0, 1));
   visitor.texts("grasps", grasps, grasp_names());
   visitor.real("sleeve_share", sleeve_share, closed(0, 1));

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/scene/second_hand.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "knuckle/hand/hand_collision.h"
 #include "knuckle/synth/scene/sampling.h"
@@ -81,14 +84,52 @@ ReachingArm reaching_arm(const BodyRig& rig, const HandAngles& hand, const Rigid
   return best;
 }
 
+/// Across the line of sight; of hands that touch, away from the first one.
+HandPath sampled_path(HandMeeting meeting, const Point3& first, const Point3& other, Random& random) {
+  const double length = random.uniform(150.0, 250.0);
+  if (meeting == HandMeeting::touching) {
+    const Eigen::Vector3d away = (other - first).normalized() * length;
+    return {0.5 * away, 0.5 * away};
+  }
+  const Point3 sight = first.normalized();
+  const Point3 any = normal_vector(random).cast<double>();
+  return {Eigen::Vector3d::Zero(), length * (any - sight * sight.dot(any)).normalized()};
+}
+
+/// Whether a hand runs into the first one, at any moment of that and anywhere on its path.
+bool collides(const SecondHand& second, const FirstHand& first) {
+  constexpr int kPhases = 9;          // of one way
+  constexpr double kDeepestMm = 8.0;  // flesh yields, and the first hand moves a little
+  for (int i = 0; i < kPhases; ++i) {
+    const auto capsules = hand_capsules(second.at(0.5 * i / (kPhases - 1)).landmarks);
+    const auto meets = [&](const Landmarks& landmarks) {
+      return gap_of_hands_mm(hand_capsules(landmarks), capsules) < -kDeepestMm;
+    };
+    if (std::ranges::any_of(first.moments, meets)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-std::optional<SecondHand> sampled_second_hand(const BodyRig& rig, const PlacedPosture& first,
-                                              const std::array<Point3, kSupersetSize>& first_landmarks,
-                                              const PostureOptions& options, HandMeeting meeting,
+Eigen::Vector3d HandPath::shift(double phase) const {
+  return middle + std::cos(2.0 * std::numbers::pi * phase) * reach;
+}
+
+SecondHand SecondHand::at(double phase) const {
+  SecondHand hand = *this;
+  const Eigen::Vector3d shift = path.shift(phase);
+  for (Point3& landmark : hand.landmarks) landmark += shift;
+  hand.camera_from_mirrored_body.translation() += shift;
+  return hand;
+}
+
+std::optional<SecondHand> sampled_second_hand(const BodyRig& rig, const FirstHand& first,
+                                              const PostureOptions& options, HandMeeting meeting, bool passes,
                                               Random& random) {
   constexpr int kAttempts = 4;
-  const RigidTransform camera_from_body(first.camera_from_body.cast<double>());
+  const RigidTransform camera_from_body(first.posture.camera_from_body.cast<double>());
+  const Landmarks& first_landmarks = first.landmarks;
   const auto capsules = hand_capsules(first_landmarks);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const HandAngles hand = sampled_free_hand(rig, options.hand, random);
@@ -101,7 +142,10 @@ std::optional<SecondHand> sampled_second_hand(const BodyRig& rig, const PlacedPo
     if (meeting == HandMeeting::touching) place = until_they_touch(first_landmarks, reach.landmarks, place);
     const Landmarks landmarks = moved(place, reach.landmarks);
     if (gap_of_hands_mm(capsules, hand_capsules(landmarks)) < -kPressMm) continue;
-    return SecondHand{{hand, reach.arm}, landmarks, place};
+    SecondHand second{{hand, reach.arm}, landmarks, place, {}};
+    if (!passes) return second;
+    second.path = sampled_path(meeting, palm_of(first_landmarks), palm_of(landmarks), random);
+    if (!collides(second, first)) return second;
   }
   return std::nullopt;
 }
