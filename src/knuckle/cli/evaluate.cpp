@@ -10,6 +10,7 @@
 #include "knuckle/data/boxes_file.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/followed_hands.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/eval/pictures/film_strip.h"
 #include "knuckle/eval/pictures/gallery.h"
@@ -25,6 +26,7 @@ struct EvaluateArguments {
   std::string truth;
   std::vector<std::string> predictions;
   std::vector<std::string> boxes;
+  std::vector<std::string> records;
   std::string convention;
   std::string camera;
   std::filesystem::path out;
@@ -41,6 +43,7 @@ struct EvaluateArguments {
     visitor.text("truth", truth);
     visitor.texts("predictions", predictions, {});
     visitor.texts("boxes", boxes, {});
+    visitor.texts("records", records, {});
     visitor.text("convention", convention);
     visitor.text("camera", camera);
     std::string definition = landmarks.string();
@@ -145,6 +148,31 @@ void print_scores(const std::vector<SegmentationScore>& scores) {
   }
 }
 
+/// Frame records against all hands of the source.
+std::vector<FollowedScore> score_record_files(const EvaluateArguments& arguments, const FrameSource* source) {
+  std::vector<FollowedScore> scores;
+  if (arguments.records.empty()) return scores;
+  if (source == nullptr)
+    fail("--records: hands are scored against a source KIND:PATH, which knows all hands");
+  const std::vector<TrueHands> truth = true_hands(*source);
+  for (const std::string& text : arguments.records) {
+    const NamedPath file = named_path_from_text(text);
+    scores.push_back(followed_score(file.name, *source->convention(), truth,
+                                    records_from_file(file.path, source->size())));
+  }
+  return scores;
+}
+
+void print_scores(const std::vector<FollowedScore>& scores) {
+  fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9}\n", "records", "hands", "found",
+             "right side", "invented", "switches", "losses", "longest loss", "mean mm");
+  for (const FollowedScore& score : scores) {
+    fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9.3f}\n", score.name, score.hands,
+               score.found, score.right_side, score.invented, score.switches, score.losses,
+               score.longest_loss, score.mean_3d_mm);
+  }
+}
+
 void write_options(const EvaluateArguments& arguments, const std::filesystem::path& output) {
   write_resolved_options(output,
                          options_as_toml(arguments) + "\n[gallery]\n" + options_as_toml(arguments.gallery));
@@ -163,7 +191,7 @@ void write_strip(const EvaluateArguments& arguments, const GalleryInput& input) 
 /// A source without truth: nothing can be scored, but the poses can be looked at.
 void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& source) {
   const bool wants_pictures = !arguments.out.empty() || !arguments.strip.empty();
-  if (!wants_pictures || !arguments.json.empty() || !arguments.boxes.empty()) {
+  if (!wants_pictures || !arguments.json.empty() || !arguments.boxes.empty() || !arguments.records.empty()) {
     fail("{}: the source has no truth to score against; --out and --strip alone make pictures",
          arguments.truth);
   }
@@ -199,8 +227,10 @@ void score_labelled(const EvaluateArguments& arguments, OpenedTruth& opened) {
   }
   report.segmentation = score_box_files(arguments, opened.truth);
   if (!report.segmentation.empty()) print_scores(report.segmentation);
+  report.followed = score_record_files(arguments, opened.source.get());
+  if (!report.followed.empty()) print_scores(report.followed);
   if (!arguments.json.empty()) {
-    write_text_file(arguments.json, to_json(report.evaluation, report.segmentation));
+    write_text_file(arguments.json, to_json(report.evaluation, report.segmentation, report.followed));
     write_options(arguments, arguments.json);
   }
   if (report.evaluation) {
@@ -213,8 +243,9 @@ void score_labelled(const EvaluateArguments& arguments, OpenedTruth& opened) {
 }
 
 void run_evaluate(const EvaluateArguments& arguments) {
-  if (arguments.predictions.empty() && arguments.boxes.empty()) {
-    fail("evaluate: nothing to score: give --predictions NAME=PATH or --boxes NAME=PATH");
+  if (arguments.predictions.empty() && arguments.boxes.empty() && arguments.records.empty()) {
+    fail(
+        "evaluate: nothing to score: give --predictions NAME=PATH, --boxes NAME=PATH or --records NAME=PATH");
   }
   if (arguments.predictions.empty() && !arguments.strip.empty())
     fail("evaluate: --strip shows estimates: give --predictions NAME=PATH");
@@ -246,6 +277,11 @@ void add_evaluate(CLI::App& program) {
       ->type_name("NAME=FILE");
   verb.add_option("--boxes", arguments->boxes,
                   "What `segment` wrote, to be scored against the box of the true joints")
+      ->type_name("NAME=FILE");
+  verb.add_option(
+          "--records", arguments->records,
+          "What `estimate --records` or `live --records` wrote, to be scored against all hands: which "
+          "were found, with which side, under which id")
       ->type_name("NAME=FILE");
   verb.add_option("--convention", arguments->convention,
                   "Landmarks of files that do not name theirs: a name that `knuckle info` lists, or a file "

@@ -72,13 +72,27 @@ ordered_json segmentation_json(const SegmentationScore& score) {
           {"mean_iou", score.mean_iou}, {"median_iou", score.median_iou}, {"fraction_above", above}};
 }
 
+ordered_json followed_json(const FollowedScore& score) {
+  return {{"name", score.name},
+          {"frames", score.frames},
+          {"hands", score.hands},
+          {"found", score.found},
+          {"right_side", score.right_side},
+          {"invented", score.invented},
+          {"switches", score.switches},
+          {"losses", score.losses},
+          {"longest_loss", score.longest_loss},
+          {"mean_3d_mm", score.mean_3d_mm}};
+}
+
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation) {
   return to_json(evaluation, {});
 }
 
-std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes) {
+std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes,
+                    std::span<const FollowedScore> followed) {
   ordered_json all = ordered_json::object();
   if (evaluation) {
     all["convention"] = evaluation->convention.name;
@@ -88,6 +102,7 @@ std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const
       all["differences"].push_back(difference_json(difference, evaluation->methods));
   }
   for (const SegmentationScore& score : boxes) all["segmentation"].push_back(segmentation_json(score));
+  for (const FollowedScore& score : followed) all["followed"].push_back(followed_json(score));
   // A name may hold bytes that are no UTF-8: replaced, not refused.
   return all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

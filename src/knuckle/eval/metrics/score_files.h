@@ -6,6 +6,7 @@
 #include <string>
 
 #include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/followed_hands.h"
 #include "knuckle/eval/metrics/segmentation_metrics.h"
 
 namespace knuckle {
@@ -16,9 +17,10 @@ namespace knuckle {
 std::string to_json(const Evaluation& evaluation);
 
 /// The same with what is known of segmentation, under `segmentation`: name, frames, missing, mean_iou,
-/// median_iou and the part of frames with an overlap above 0.5 and 0.75 of each method. Both parts may be
-/// missing.
-std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes);
+/// median_iou and the part of frames with an overlap above 0.5 and 0.75 of each method; and of hands that
+/// were followed, under `followed`: the numbers of FollowedScore. All parts may be missing.
+std::string to_json(const std::optional<Evaluation>& evaluation, std::span<const SegmentationScore> boxes,
+                    std::span<const FollowedScore> followed = {});
 
 /// A field of a CSV file: in quotes where it holds a separator, quote or line end.
 std::string csv_field(const std::string& text);

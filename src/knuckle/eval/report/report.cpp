@@ -19,8 +19,9 @@ ReportFigures draw_figures(const Report& report, const std::filesystem::path& fo
 }
 
 void write_scores(const Report& report, const std::filesystem::path& folder) {
-  if (report.evaluation || !report.segmentation.empty()) {
-    write_text_file(folder / "metrics.json", to_json(report.evaluation, report.segmentation));
+  if (report.evaluation || !report.segmentation.empty() || !report.followed.empty()) {
+    write_text_file(folder / "metrics.json",
+                    to_json(report.evaluation, report.segmentation, report.followed));
   }
   if (report.evaluation) {
     write_text_file(folder / "curves.csv", curves_csv(*report.evaluation));
@@ -52,6 +53,7 @@ std::string report_html(const Report& report, const ReportFigures& figures) {
             landmark_section(*report.evaluation);
   }
   if (!report.segmentation.empty()) html += segmentation_section(report.segmentation, figures.segmentation);
+  if (!report.followed.empty()) html += followed_section(report.followed);
   if (!figures.poses.empty()) html += figure_section(figures.poses);
   if (report.evaluation) html += joint_section(*report.evaluation);
   if (!report.gallery.empty()) html += gallery_section(report.gallery);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/followed_hands.h"
 #include "knuckle/eval/metrics/segmentation_metrics.h"
 #include "knuckle/eval/pictures/figures.h"
 #include "knuckle/eval/pictures/gallery.h"
@@ -34,6 +35,7 @@ struct Report {
   std::vector<ReportFact> facts;
   std::optional<Evaluation> evaluation;
   std::vector<SegmentationScore> segmentation;
+  std::vector<FollowedScore> followed;
   std::vector<GalleryRow> gallery;
 };
 

@@ -255,6 +255,28 @@ std::string segmentation_section(const std::vector<SegmentationScore>& scores,
          figure_grid(figures, "figures single");
 }
 
+std::string followed_section(const std::vector<FollowedScore>& scores) {
+  const auto share = [](std::int64_t part, std::int64_t whole) {
+    return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : kNaN;
+  };
+  const auto found = [&](const FollowedScore& score) { return share(score.found, score.hands); };
+  const auto sided = [&](const FollowedScore& score) { return share(score.right_side, score.found); };
+  return "<h2>Hands that were followed</h2>\n" +
+         number_table(
+             "method", method_heads(scores),
+             {column("hands", scores, &FollowedScore::hands, 0, Better::neither),
+              column("found (%)", scores, found, 1, Better::higher),
+              column("with the right<br>side (%)", scores, sided, 1, Better::higher),
+              column("invented", scores, &FollowedScore::invented, 0, Better::lower),
+              column("exchanged<br>ids", scores, &FollowedScore::switches, 0, Better::lower),
+              column("times lost", scores, &FollowedScore::losses, 0, Better::lower),
+              column("longest loss<br>(frames)", scores, &FollowedScore::longest_loss, 0, Better::lower),
+              column("mean 3D of<br>those found (mm)", scores, &FollowedScore::mean_3d_mm, 2,
+                     Better::lower)}) +
+         fmt::format("<p>A hand of which less than {:.0f} % is seen need not be found.</p>\n",
+                     100.0 * kLeastVisible);
+}
+
 std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {
   std::string html = fmt::format("<div class=\"{}\">\n", style);
   for (const DrawnFigure& drawn : figures) {
