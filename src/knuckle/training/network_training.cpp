@@ -79,6 +79,13 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
   if (options.batch_size % options.shards != 0) {
     fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
   }
+  if (run.workers != nullptr && run.workers->size() > options.shards) {
+    fail(
+        "training: there are {} workers for {} shards, expected at most one worker per shard: lower "
+        "--workers, or raise "
+        "shards, which changes the result",
+        run.workers->size(), options.shards);
+  }
   use_calling_thread_alone();
   keep_freed_memory();
   return with_clear_errors("training", [&] { return Trainer(task, options, run).train(); });
