@@ -238,15 +238,14 @@ class GlooWorkers final : public JoinedWorkers {
   }
 
   void wait_for(c10d::Work& work) {
-    while (true) {
+    while (!work.isCompleted()) {
       try {
         work.wait(kPatience);
-        return;
-      } catch (const std::exception&) {
-        if (work.isCompleted()) throw;
-        end_if_over();
+      } catch (const std::exception&) {  // also where it is done by now
+        if (!work.isCompleted()) end_if_over();
       }
     }
+    work.wait();  // throws what has gone wrong
   }
 
   void say(const std::string& name, const std::string& note) {

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -62,14 +64,21 @@ std::string own_fault(const std::exception_ptr& fault, const JoinedWorkers& work
   }
 }
 
-[[noreturn]] void end_all(JoinedWorkers& workers, const std::exception_ptr& fault,
-                          const TogetherOptions& options, const Silence* silence) {
+/// Worker 1 speaks, and tidies up, where worker 0 no longer can.
+void stand_in_for_worker_0(const WorkerPlace& place, const Silence* silence) {
+  if (silence != nullptr) silence->end();
+  std::error_code ignored;
+  if (!place.folder.empty()) std::filesystem::remove_all(place.folder, ignored);
+}
+
+[[noreturn]] void end_all(JoinedWorkers& workers, const std::exception_ptr& fault, const WorkerPlace& place,
+                          const std::string& advice, const Silence* silence) {
   exit_without_waiting();
   const std::string own = own_fault(fault, workers);
   const std::optional<std::string> verdict = workers.ended_with(own);
   if (workers.rank() == 0 && !own.empty()) std::rethrow_exception(fault);
-  if (workers.rank() == 1 && verdict && silence != nullptr) silence->end();
-  fail("{}; all workers have ended: {}", verdict.value_or("another worker has failed"), options.advice);
+  if (workers.rank() == 1 && verdict) stand_in_for_worker_0(place, silence);
+  fail("{}; all workers have ended: {}", verdict.value_or("another worker has failed"), advice);
 }
 
 std::unique_ptr<JoinedWorkers> joined(const JoinOptions& options) {
@@ -81,8 +90,7 @@ std::unique_ptr<JoinedWorkers> joined(const JoinOptions& options) {
   }
 }
 
-void work_joined(JoinOptions join, const TogetherOptions& options,
-                 const std::function<void(WorkerGroup*)>& work) {
+void work_joined(JoinOptions join, const std::string& advice, const std::function<void(WorkerGroup*)>& work) {
   std::unique_ptr<Silence> silence;
   const auto keep_silent = [&] { silence = std::make_unique<Silence>(); };
   // A worker that was started by worker 0 has nothing to say that worker 0 does not say.
@@ -94,7 +102,7 @@ void work_joined(JoinOptions join, const TogetherOptions& options,
     work(workers.get());
     gathered(*workers, "done");
   } catch (...) {
-    end_all(*workers, std::current_exception(), options, silence.get());
+    end_all(*workers, std::current_exception(), join.place, advice, silence.get());
   }
   workers->ended_well();
 }
@@ -121,7 +129,7 @@ void work_together(const TogetherOptions& options, const std::function<void(Work
       join.fault_of_started = [&started] { return started->fault(); };
     }
   }
-  work_joined(join, options, work);
+  work_joined(join, options.advice, work);
 }
 
 }  // namespace knuckle
