@@ -40,7 +40,7 @@ head_channels = 8
 epochs = {epochs}
 batch_size = 8
 shards = 4
-validate_every = 2
+validate_every = {every}
 """
 
 
@@ -52,8 +52,8 @@ class Place:
         self.folder = folder
         (folder / "tmp").mkdir()
 
-    def command(self, out, workers, *more, epochs=6, config="train.toml"):
-        text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs)
+    def command(self, out, workers, *more, epochs=6, every=2, config="train.toml"):
+        text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs, every=every)
         (self.folder / config).write_text(text)
         return [self.program, "train", "network", "--config", self.folder / config, "--out", self.folder / out, "--workers",
                 str(workers), "--cache", self.folder / "cache", *more]
@@ -138,24 +138,25 @@ def same_bytes(place):
 
 
 def resumed(place):
-    epochs = 60
-    succeeded(place.start(place.command("whole.pt", 1, epochs=epochs)))
-    for before, after in ((2, 4), (4, 1), (1, 2)):
-        process = place.start(place.command("parts.pt", before, epochs=epochs))
+    long = {"epochs": 40, "every": 12}  # 60 steps
+    succeeded(place.start(place.command("whole.pt", 1, **long)))
+    for before, after in ((2, 4), (4, 1)):
+        process = place.start(place.command("parts.pt", before, **long))
         place.wait_for_checkpoint("parts.pt", process)
         process.kill()
         assert ended(process)[0] == -signal.SIGKILL, "faster than its killer"
         while place.started_workers():
             time.sleep(0.05)
-        succeeded(place.start(place.command("parts.pt", after, "--resume", epochs=epochs)))
+        succeeded(place.start(place.command("parts.pt", after, "--resume", **long)))
         assert place.bytes_of("parts.pt") == place.bytes_of("whole.pt"), (before, after)
         (place.folder / "parts.pt").unlink()
         (place.folder / "parts.pt.checkpoint").unlink()
 
 
 def lost_worker(place):
-    for sent, name in ((signal.SIGKILL, "worker 1 of 3 was ended by signal 9"), (signal.SIGSTOP, "worker 1 of 3 was lost")):
-        process = place.start(place.command("net.pt", 3, "--wait", "5", epochs=4000))
+    for sent, name, wait_s in ((signal.SIGKILL, "worker 1 of 3 was ended by signal 9", 300),
+                               (signal.SIGSTOP, "worker 1 of 3 was lost", 30)):
+        process = place.start(place.command("net.pt", 3, "--wait", str(wait_s), epochs=4000))
         place.wait_for_checkpoint("net.pt", process)
         os.kill(place.started_workers()[1], sent)
         failed_with(process, name, "--resume")
