@@ -167,7 +167,7 @@ def print_simulation(costs, frames, runs, seed):
     for count in (16, 256, 1000):
         failure = costs.failure_h * HOUR_S / count
         best = best_interval_s(checkpoint, failure)
-        for interval in (best, 600.0, HOUR_S):
+        for interval in dict.fromkeys((best, 600.0, HOUR_S)):
             times = [train_with_failures(work, interval, checkpoint, costs.restart_s, failure, draw) for _ in range(runs)]
             kind = " (best)" if interval == best else ""
             print(f"  {count:5} workers, a failure per {duration(failure)}, checkpoint each {duration(interval)}{kind}: "

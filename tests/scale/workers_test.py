@@ -7,6 +7,7 @@ way in which one of them is missing, lost or different ends all with one line.
 """
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import socket
@@ -208,6 +209,16 @@ def other_options(place):
     assert ended(other)[0] == 1
 
 
+def full_disk(place):
+    command = place.command("net.pt", 2)
+    subprocess.run(place.command("first.pt", 1), cwd=PROJECT, env=place.environment(), check=True, stdout=subprocess.DEVNULL)
+    limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               restore_signals=False,  # a write beyond the limit fails, as on a full disk
+                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)))
+    failed_with(limited, "net.pt")
+    place.assert_all_end()
+
+
 def slurm(place):
     missing = [name for name in ("slurmctld", "slurmd", "srun") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
     if missing or os.geteuid() != 0:
@@ -231,7 +242,7 @@ def slurm(place):
     assert place.bytes_of("one.pt") == place.bytes_of("two.pt")
 
 
-CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, slurm)}
+CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)}
 
 
 def main():

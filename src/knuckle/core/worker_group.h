@@ -42,13 +42,14 @@ std::string from_first(WorkerGroup& workers, std::string_view own);
 /// than worker 0", as in what = "other weights".
 void require_same(WorkerGroup& workers, std::string_view what, std::string_view own);
 
-/// The part [begin, end) of `count` things that a worker of `size` takes: parts are contiguous, in the order
-/// of the workers, and differ by one thing at most.
+/// A worker's part [begin, end) of some things.
 struct PartOfWork {
   std::int64_t begin = 0;
   std::int64_t end = 0;
   std::int64_t size() const { return end - begin; }
 };
+/// The part of `count` things that worker `rank` of `size` takes: parts are contiguous, in the order of the
+/// workers, and differ by one thing at most.
 PartOfWork part_of_worker(std::int64_t count, int rank, int size);
 
 }  // namespace knuckle

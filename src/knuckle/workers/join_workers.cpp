@@ -177,8 +177,7 @@ class GlooWorkers final : public JoinedWorkers {
       if (other != *said[0]) {
         fail(
             "--workers: worker {} of {} has {} than worker 0: start all with the same program and options, "
-            "on processors "
-            "of one kind",
+            "on processors of one kind",
             k, place_.size, difference(options_.traits, *said[0], other));
       }
     }

@@ -20,8 +20,9 @@ struct WorkerPlace {
   bool is_on_one_machine() const { return address.empty(); }
 };
 
-/// Names of the variables by which worker 0 tells the workers that it starts on its machine who they are.
+/// The variable by which worker 0 tells a worker that it starts on its machine which one it is.
 inline constexpr const char* kRankVariable = "KNUCKLE_WORKER";
+/// The variable that tells it in which folder they meet.
 inline constexpr const char* kFolderVariable = "KNUCKLE_WORKERS_FOLDER";
 
 /// The place of this process among `workers`, from the environment. In this order: the two variables above;
