@@ -232,14 +232,22 @@ def slurm(place):
 
     say("start")
     try:
-        step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit"]
-        process = place.start([*step, *place.command("two.pt", 2)], SLURM_CONF=str(cluster / "slurm.conf"),
-                              MASTER_ADDR="127.0.0.1")
-        succeeded(process)
+        arguments = place.command("two.pt", 2)
+        config, cache = arguments[arguments.index("--config") + 1], arguments[arguments.index("--cache") + 1]
+        # By hand, then by the script, for an allocation of both tasks.
+        step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *arguments]
+        slurm_conf = str(cluster / "slurm.conf")
+        succeeded(place.start(step, SLURM_CONF=slurm_conf, MASTER_ADDR="127.0.0.1"))
+        log = place.folder / "job.log"
+        job = ["sbatch", "--wait", "--ntasks=2", "--overcommit", f"--output={log}", f"--chdir={PROJECT}",
+               PROJECT / "scripts/slurm/train_network.sh", config, place.folder / "job.pt", "--cache", cache]
+        process = place.start(job, SLURM_CONF=slurm_conf, KNUCKLE=str(place.program), SLURM_OVERCOMMIT="1")
+        assert ended(process)[0] == 0, log.read_text()
+        assert "2 workers" in log.read_text(), log.read_text()
     finally:
         say("stop")
     succeeded(place.start(place.command("one.pt", 1)))
-    assert place.bytes_of("one.pt") == place.bytes_of("two.pt")
+    assert place.bytes_of("one.pt") == place.bytes_of("two.pt") == place.bytes_of("job.pt")
 
 
 CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)}
