@@ -199,6 +199,13 @@ def other_options(place):
     failed_with(place.start(place.command("net.pt", 2), **met(0, 2, port)), "worker 1 of 2", "other options")
     assert ended(other)[0] == 1
     port = free_port()
+    changed = place.folder / "knuckle-train-network"
+    changed.write_bytes(place.program.with_name("knuckle-train-network").read_bytes() + b"another build")
+    changed.chmod(0o755)
+    other = place.start([changed, *place.command("net.pt", 2)[1:]], **met(1, 2, port))
+    failed_with(place.start(place.command("net.pt", 2), **met(0, 2, port)), "worker 1 of 2", "another build")
+    assert ended(other)[0] == 1
+    port = free_port()
     other = place.start(place.command("net.pt", 2), **met(1, 2, port))
     succeeded(place.start(place.command("net.pt", 2), **met(0, 2, port)))
     status, out, lines, _ = ended(other)
