@@ -32,7 +32,7 @@ class Costs:
     disk_price_gb: float = 0.02  # assumed: US dollars per 10^9 bytes and month
     link_bytes_s: float = 1.25e9 / 2  # assumed: half of what a link of 10 Gbit/s carries
     latency_s: float = 2e-4  # per exchange and doubling of the workers; measured here over the loopback for two
-    failure_h: float = 50000.0  # assumed: mean time to a failure of one worker; Dubey et al. 2024 report 419 in 54 days of 16,384
+    failure_h: float = 50000.0  # assumed: mean time to a failure of one worker; Dubey et al. 2024 report 419 in 54 days on 16,384 GPUs
     restart_s: float = 120.0  # assumed: until all are started again and have their samples
     spread: float = 0.1  # assumed: standard deviation of the logarithm of a step's time on one worker
 
