@@ -17,7 +17,7 @@ cmake --preset release -B "$database" -DKNUCKLE_UNITY=OFF --log-level=WARNING > 
 # Tests are left to the compiler's warnings: GoogleTest's macros take clang-tidy many times longer than our code.
 # clang-tidy 14, Debian's, cannot read LibTorch's headers as C++20: the module training and what includes it are left out.
 # Neither are sources checked that this machine does not build, for lack of an optional library.
-reads_torch() { grep -q '#include "knuckle/training/' "$1"; }
+reads_torch() { grep -qE '#include ("knuckle/training/|"knuckle/workers/(meeting_place|watch)|<torch/)' "$1"; }
 is_built() { grep -qF "\"file\": \"$PWD/$1\"" "$database/compile_commands.json"; }
 git ls-files 'src/*.cpp' 'bench/*.cpp' | grep -v -e '_test.cpp$' -e '/testing.cpp$' -e '^src/knuckle/training/' |
   while read -r file; do if is_built "$file" && ! reads_torch "$file"; then echo "$file"; fi; done |

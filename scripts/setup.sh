@@ -26,6 +26,8 @@ development_packages=(
   ccache clang clang-format clang-tidy libclang-rt-dev doxygen git python3 python3-numpy python3-h5py
   python3-dev pybind11-dev
   libtorch-dev libopenblas0-pthread
+  # headers that LibTorch's c10d includes: training by several processes
+  libgloo-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   # write recordings that tests read
   libfreenect-bin ffmpeg

@@ -24,6 +24,18 @@ void add_train_network(CLI::App& train, const std::function<void(const NetworkAr
       ->check(CLI::NonNegativeNumber);
   network.add_option("--cache", arguments->cache,
                      "Folder in which hands that were cut out of frames are kept for the next training");
+  network
+      .add_option("--workers", arguments->workers,
+                  "Processes that train together, 1 to 1024: started on this machine, or by srun on several")
+      ->check(CLI::Range(1, 1024).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+  network
+      .add_option("--wait", arguments->wait_s,
+                  "How long a worker that does not come or answer is waited for [s], 5 to 86400")
+      ->check(CLI::Range(5.0, 86400.0).description(""))
+      ->type_name("SECONDS")
+      ->capture_default_str();
   network.add_flag("--check", arguments->check,
                    "Only show what it would be trained on: the sets in words, and samples in OUT's name with "
                    "_check.png");

@@ -17,7 +17,9 @@ struct NetworkArguments {
   std::string device = "cpu";
   double minutes = 0.0;
   std::filesystem::path cache;
-  bool check = false;  ///< shows what it would be trained on, and does not train
+  int workers = 1;        ///< processes that train together
+  double wait_s = 300.0;  ///< how long one of them that does not come or answer is waited for [s]
+  bool check = false;     ///< shows what it would be trained on, and does not train
 };
 
 /// Adds `network` to the verb `train`. Two programs know it: `knuckle`, where `run` starts the other one, and

@@ -23,6 +23,7 @@
 #include "knuckle/training/network_training_config.h"
 #include "knuckle/training/torch_device.h"
 #include "knuckle/training/training_check.h"
+#include "knuckle/workers/work_together.h"
 
 namespace knuckle::cli {
 namespace {
@@ -105,16 +106,22 @@ void write_curves(const std::filesystem::path& model, const std::vector<Training
   }
 }
 
-NetworkTrainingRun run_of(const NetworkArguments& arguments, const KindOfNetwork& kind) {
+bool is_first(const WorkerGroup* workers) {
+  return workers == nullptr || workers->rank() == 0;
+}
+
+NetworkTrainingRun run_of(const NetworkArguments& arguments, const KindOfNetwork& kind,
+                          WorkerGroup* workers) {
   const std::filesystem::path& out = arguments.out;
   NetworkTrainingRun run;
   run.model = out;
   run.checkpoint = out.string() + ".checkpoint";
   if (arguments.resume) {
     run.begin = NetworkTrainingRun::Begin::from_checkpoint;
-  } else {
+  } else if (is_first(workers)) {
     remove_checkpoint(run.checkpoint);  // what an earlier training left
   }
+  run.workers = workers;
   run.device = arguments.device;
   run.minutes = arguments.minutes;
   run.report_initial = [&kind](const std::vector<double>& validation) {
@@ -149,21 +156,55 @@ void check_pose_network(const NetworkArguments& arguments, const NetworkTraining
              sheet.string());
 }
 
+TogetherOptions together(const NetworkArguments& arguments, const std::string& options) {
+  return {.workers = arguments.workers,
+          .wait_s = arguments.wait_s,
+          .command_line = command_line_arguments(),
+          .traits = {{"other options", fmt::format("{}\n{}\n{}\n{}", options, arguments.resume,
+                                                   arguments.device, arguments.minutes)}},
+          .advice = "go on with --resume, with any number of workers"};
+}
+
+void print_exchange(WorkerGroup* workers, const Stopwatch& watch) {
+  if (workers == nullptr) return;
+  fmt::print("{} workers; {:.1f}% of the time went into what they tell each other, waiting included\n",
+             workers->size(), 100.0 * workers->seconds_in_exchange() / watch.seconds());
+}
+
+void train_pose_network(const NetworkArguments& arguments, const NetworkTrainingConfig& config,
+                        WorkerGroup* workers) {
+  if (is_first(workers)) check_writable(arguments.out);
+  const NetworkTrainingRun run = run_of(arguments, pose_networks(), workers);
+  if (is_first(workers)) write_resolved_options(arguments.out, config.resolved_options);
+  const Stopwatch watch;
+  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache, warn_of_unknown);
+  print_early_end(result.metrics, config.training);
+  print_exchange(workers, watch);
+  fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
+             result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
+             watch.milliseconds() / 1000.0, arguments.out.string());
+}
+
 void train_pose_network(const NetworkArguments& arguments) {
   const auto config = NetworkTrainingConfig::load(arguments.config);
   if (arguments.check) {
     check_pose_network(arguments, config);
     return;
   }
-  check_writable(arguments.out);
-  const NetworkTrainingRun run = run_of(arguments, pose_networks());
-  write_resolved_options(arguments.out, config.resolved_options);
+  work_together(together(arguments, config.resolved_options),
+                [&](WorkerGroup* workers) { train_pose_network(arguments, config, workers); });
+}
+
+void train_detector(const NetworkArguments& arguments, const DetectorTrainingConfig& config,
+                    WorkerGroup* workers) {
+  if (is_first(workers)) check_writable(arguments.out);
+  const NetworkTrainingRun run = run_of(arguments, detectors(), workers);
+  if (is_first(workers)) write_resolved_options(arguments.out, config.resolved_options);
   const Stopwatch watch;
-  const NetworkTrainingResult result = run_network_training(config, run, arguments.cache, warn_of_unknown);
-  print_early_end(result.metrics, config.training);
-  fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
-             result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
-             watch.milliseconds() / 1000.0, arguments.out.string());
+  const std::vector<TrainingMetrics> metrics = run_detector_training(config, run);
+  print_early_end(metrics, config.training);
+  print_exchange(workers, watch);
+  fmt::print("{:.1f} s: {}\n", watch.milliseconds() / 1000.0, arguments.out.string());
 }
 
 void train_detector(const NetworkArguments& arguments) {
@@ -173,13 +214,8 @@ void train_detector(const NetworkArguments& arguments) {
   if (!arguments.cache.empty()) {
     fail("--cache keeps hands that were cut out of frames, but a detector sees whole frames: leave it out");
   }
-  check_writable(arguments.out);
-  const NetworkTrainingRun run = run_of(arguments, detectors());
-  write_resolved_options(arguments.out, config.resolved_options);
-  const Stopwatch watch;
-  const std::vector<TrainingMetrics> metrics = run_detector_training(config, run);
-  print_early_end(metrics, config.training);
-  fmt::print("{:.1f} s: {}\n", watch.milliseconds() / 1000.0, arguments.out.string());
+  work_together(together(arguments, config.resolved_options),
+                [&](WorkerGroup* workers) { train_detector(arguments, config, workers); });
 }
 
 void train_network(const NetworkArguments& arguments) {

@@ -43,6 +43,7 @@ std::vector<double> weights_of(const std::vector<SampleGroup>& groups) {
 BatchPlan::BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed)
     : samples_(std::move(samples)),
       batch_size_(batch_size),
+      end_(batch_size),
       seed_(seed),
       dealer_(weights_of(samples_->groups())) {
   std::int64_t first = 0;
@@ -66,14 +67,22 @@ std::int64_t BatchPlan::sample_of(std::int64_t place) {
   return deck.first + deck.order[static_cast<std::size_t>(dealt.number % deck.size)];
 }
 
+BatchPlan BatchPlan::part(int begin, int end) const {
+  BatchPlan part = *this;
+  part.begin_ = begin;
+  part.end_ = end;
+  return part;
+}
+
 TrainingBatch BatchPlan::batch(std::int64_t number) {
   TrainingBatch batch{{}, {}, samples_->input_shape(), samples_->target_shape()};
   const std::size_t pixels = count_of(batch.input_shape);
   const std::size_t numbers = count_of(batch.target_shape);
-  batch.inputs.resize(pixels * batch_size_);
-  batch.targets.resize(numbers * batch_size_);
-  for (int i = 0; i < batch_size_; ++i) {
-    const std::int64_t place = number * batch_size_ + i;
+  const int count = end_ - begin_;
+  batch.inputs.resize(pixels * count);
+  batch.targets.resize(numbers * count);
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t place = number * batch_size_ + begin_ + i;
     Random random(derived_seed(seed_, kViews), static_cast<std::uint64_t>(place));
     samples_->view(sample_of(place), random, std::span(batch.inputs).subspan(pixels * i, pixels),
                    std::span(batch.targets).subspan(numbers * i, numbers));

@@ -29,8 +29,10 @@ class BatchPlan {
  public:
   /// Throws an Error where there is no sample, or a group has none.
   BatchPlan(std::shared_ptr<const SampleViews> samples, int batch_size, std::uint64_t seed);
+  /// The plan of samples [begin, end) of each batch: what one of several workers has to make.
+  BatchPlan part(int begin, int end) const;
   TrainingBatch batch(std::int64_t number);
-  int batch_size() const { return batch_size_; }
+  int batch_size() const { return batch_size_; }  ///< of whole batches
   /// The number of the sample that is dealt to a place: the i-th of batch b has the place b batch_size + i.
   std::int64_t sample_of(std::int64_t place);
 
@@ -45,6 +47,8 @@ class BatchPlan {
 
   std::shared_ptr<const SampleViews> samples_;
   int batch_size_;
+  int begin_ = 0;  // of the part of a batch that is made
+  int end_;
   std::uint64_t seed_;
   std::vector<Deck> decks_;
   SampleDealer dealer_;

@@ -49,6 +49,22 @@ TEST(BatchPlan, SeesEachSampleOnceBeforeAnyAgain) {
   EXPECT_THAT(counts_of(times_seen(samples, 5, 12)), ::testing::AllOf(::testing::SizeIs(12), Each(5)));
 }
 
+TEST(BatchPlan, OfPartsMakesTheWholeBatch) {
+  const CubeSamples samples = made_up_samples(7);
+  BatchPlan whole = plan_of(samples, {}, 6, 3);
+  for (const std::int64_t number : {0, 5}) {
+    TrainingBatch put_together;
+    for (const auto& [begin, end] : {std::pair(0, 1), std::pair(1, 4), std::pair(4, 6)}) {
+      const TrainingBatch part = whole.part(begin, end).batch(number);
+      put_together.inputs.insert(put_together.inputs.end(), part.inputs.begin(), part.inputs.end());
+      put_together.targets.insert(put_together.targets.end(), part.targets.begin(), part.targets.end());
+    }
+    const TrainingBatch expected = whole.batch(number);
+    EXPECT_EQ(put_together.inputs, expected.inputs);
+    EXPECT_EQ(put_together.targets, expected.targets);
+  }
+}
+
 TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
   const CubeSamples samples = made_up_samples(4);
   AugmentationOptions mirrors = no_augmentation();

@@ -3,16 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string_view>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/training/freed_memory.h"
 #include "knuckle/training/pose_training_task.h"
 #include "knuckle/training/torch_errors.h"
 #include "knuckle/training/torch_threads.h"
@@ -23,16 +19,6 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOptimisers = {"adamw", "sgd"};
 constexpr std::array<std::string_view, 2> kPrecisions = {"single", "bfloat16"};
-
-/// Keeps what is freed for the next allocation. The paper's networks take and free gradients of 200 MB in
-/// each step; glibc would give these back to the system, and faulting their pages in again would take a third
-/// of the time.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-#endif
-}
 
 }  // namespace
 
@@ -78,6 +64,13 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
   check_options(options, "training");
   if (options.batch_size % options.shards != 0) {
     fail("training: batch_size is {}, expected a multiple of shards, {}", options.batch_size, options.shards);
+  }
+  if (run.workers != nullptr && run.workers->size() > options.shards) {
+    fail(
+        "training: there are {} workers for {} shards, expected at most one worker per shard: lower "
+        "--workers, or raise "
+        "shards, which changes the result",
+        run.workers->size(), options.shards);
   }
   use_calling_thread_alone();
   keep_freed_memory();

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "knuckle/core/worker_group.h"
 #include "knuckle/net/network_options.h"
 #include "knuckle/prepare/cube_samples.h"
 #include "knuckle/prepare/cube_view.h"
@@ -78,6 +79,10 @@ struct NetworkTrainingRun {
   /// What comes out then depends on how fast the machine was.
   double minutes = 0.0;
   std::int64_t stop_after_steps = 0;  ///< ends early, as if interrupted, after so many steps in all; 0: not
+  /// Processes that train the same network on shards of their own: not more than there are shards. All have
+  /// the same samples and options, and see the same checkpoint; worker 0 validates, writes and reports.
+  /// nullptr: this process alone.
+  WorkerGroup* workers = nullptr;
   /// Called once before a training anew with the validation of `initial` as it is; may be empty.
   std::function<void(const std::vector<double>& validation)> report_initial;
   /// Called at each validation with all metrics so far, those before a checkpoint included, and how long the
@@ -95,9 +100,9 @@ std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTraini
 /// Joints that are not known (NaN) count in neither.
 ///
 /// A batch is cut into shards, each worked on by one thread; their gradients are summed in order, so the
-/// weights depend on options and samples alone, not on the number of threads. Batch norms see one shard at a
-/// time; their running statistics are averaged. A training that goes on from a checkpoint ends with the same
-/// bits as one that was not interrupted (on one and the same machine and device).
+/// weights depend on options and samples alone, not on the number of threads and workers. Batch norms see one
+/// shard at a time; their running statistics are averaged. A training that goes on from a checkpoint ends
+/// with the same bits as one that was not interrupted (on one and the same machine and device).
 ///
 /// Throws an Error where an option is out of range, there is no sample, the device is not there, the
 /// checkpoint is of another network or configuration, or the loss is not finite: files written before stay as

@@ -96,7 +96,11 @@ NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, 
                                            const std::filesystem::path& cache,
                                            const TakeUnknownLandmarks& unknown) {
   check_sources(config);
+  // What worker 0 puts into the cache is there for the others.
+  const bool waits = run.workers != nullptr && !cache.empty();
+  if (waits && run.workers->rank() > 0) gathered(*run.workers, "cached");
   const ConfiguredSamples samples = configured_samples(config, cache);
+  if (waits && run.workers->rank() == 0) gathered(*run.workers, "cached");
   const std::vector<Landmark> landmarks = unknown_landmarks(config, samples);
   if (unknown && !landmarks.empty()) unknown(landmarks);
   NetworkTrainingRun begun = run;

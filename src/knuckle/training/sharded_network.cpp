@@ -11,9 +11,13 @@
 namespace knuckle {
 
 ShardedNetwork::ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int shards,
-                               const torch::Device& device)
-    : device_(device) {
-  for (int i = 0; i < shards; ++i) {
+                               const torch::Device& device, WorkerGroup* workers)
+    : device_(device), shard_count_(shards), part_{0, shards} {
+  if (workers != nullptr) {
+    part_ = part_of_worker(shards, workers->rank(), workers->size());
+    among_workers_.emplace(*workers, shards);
+  }
+  for (std::int64_t i = part_.begin; i < part_.end; ++i) {
     shards_.push_back(task.make_module(seed));
     shards_.back()->to(device);
     shards_.back()->train();
@@ -32,11 +36,15 @@ double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
   std::vector<double> losses(shards_.size());
   parallel_for(std::ssize(shards_), [&](std::int64_t i) {
     const auto shard = static_cast<std::size_t>(i);
-    shards_[shard]->seed_dropout(derived_seed(seed, shard));
+    shards_[shard]->seed_dropout(derived_seed(seed, static_cast<std::uint64_t>(part_.begin + i)));
     losses[shard] = backward_shard(batch, shard);
   });
-  sum_gradients();
-  average_buffers();
+  if (among_workers_) {
+    losses = sum_among_workers(losses);
+  } else {
+    sum_gradients();
+    average_buffers();
+  }
   return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
@@ -55,7 +63,7 @@ double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
   const torch::Tensor inputs = part_of(batch.inputs, batch.input_shape);
   const torch::Tensor targets = part_of(batch.targets, batch.target_shape);
   const torch::Tensor loss =
-      network.loss(network.forward(inputs), inputs, targets) / static_cast<double>(parts);
+      network.loss(network.forward(inputs), inputs, targets) / static_cast<double>(shard_count_);
   loss.backward();
   return loss.item<double>();
 }
@@ -70,6 +78,25 @@ void ShardedNetwork::sum_gradients() {
   pieces_.for_each(gradients, [](int64_t /*index*/, std::vector<torch::Tensor>& pieces) {
     for (std::size_t shard = 1; shard < pieces.size(); ++shard) pieces[0].add_(pieces[shard]);
   });
+}
+
+/// Gradients and statistics in one sum; the losses of all shards.
+std::vector<double> ShardedNetwork::sum_among_workers(const std::vector<double>& losses) {
+  const torch::NoGradGuard no_gradient;
+  std::vector<std::vector<torch::Tensor>> terms;
+  for (const std::shared_ptr<TrainableModule>& shard : shards_) {
+    std::vector<torch::Tensor>& own = terms.emplace_back();
+    for (const torch::Tensor& parameter : shard->parameters()) own.push_back(parameter.grad());
+    for (const torch::Tensor& buffer : shard->buffers()) {
+      if (buffer.is_floating_point()) own.push_back(buffer);
+    }
+  }
+  std::vector<double> all_losses = among_workers_->sum(terms, losses);
+  for (const torch::Tensor& buffer : buffers()) {
+    if (buffer.is_floating_point()) buffer.div_(static_cast<double>(shard_count_));
+  }
+  share_buffers();
+  return all_losses;
 }
 
 void ShardedNetwork::average_buffers() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include <torch/utils.h>
@@ -10,6 +11,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/storage/content_hash.h"
 #include "knuckle/training/archive.h"
 #include "knuckle/training/norm_statistics.h"
 #include "knuckle/training/torch_device.h"
@@ -54,6 +56,20 @@ TrainableModule& on_device(TrainableModule& network, const torch::Device& device
   return network;
 }
 
+std::string hash_of(const std::vector<float>& values) {
+  return text_hash(
+      std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)));
+}
+
+std::string hash_of(const std::vector<torch::Tensor>& tensors) {
+  std::string hashes;
+  for (const torch::Tensor& tensor : tensors) {
+    const torch::Tensor values = tensor.detach().cpu().contiguous();
+    hashes += text_hash(std::string_view(static_cast<const char*>(values.data_ptr()), values.nbytes()));
+  }
+  return text_hash(hashes);
+}
+
 std::int64_t steps_of(std::int64_t samples, const NetworkTrainingOptions& options) {
   return static_cast<std::int64_t>(
       std::ceil(options.epochs * static_cast<double>(samples) / options.batch_size));
@@ -68,7 +84,7 @@ Trainer::Trainer(const TrainingTask& task, const NetworkTrainingOptions& options
       run_(run),
       device_(device_from_name(run.device)),
       step_count_(steps_of(task.views()->size(), options)),
-      network_(task, options.seed, options.shards, device_),
+      network_(task, options.seed, options.shards, device_, run.workers),
       averaged_(task.make_module(options.seed)),
       optimiser_(network_.parameters(), on_device(*averaged_, device_).parameters(), options),
       end_(run.stop_after_steps > 0 ? std::min(run.stop_after_steps, step_count_) : step_count_) {
@@ -82,18 +98,20 @@ std::vector<TrainingMetrics> Trainer::train() {
   } else if (!run_.initial.empty()) {
     load_initial();
   }
+  if (run_.workers != nullptr) agree();
   if (step_ >= end_ || has_run_out_of_patience(metrics_, options_)) return metrics_;
-  BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
-  BatchLoader loader(std::move(plan), step_, end_);
+  BatchLoader loader(own_plan(), step_, end_);
   Progress shown("train", "samples", end_ * options_.batch_size, step_ * options_.batch_size);
   first_step_ = step_;
   whole_time_ = Stopwatch();
   since_validation_ = Stopwatch();
   bool is_done = false;
   while (!is_done) {
+    look_at_time();
     step_unless_interrupted(loader);
     shown.advance(options_.batch_size);
-    is_done = step_ == end_ || time_share() >= 1.0;
+    look_at_time();
+    is_done = step_ == end_ || time_share_ >= 1.0;
     if (step_ % options_.validate_every == 0 || is_done) validate(loader);
     is_done = is_done || has_run_out_of_patience(metrics_, options_);
   }
@@ -114,13 +132,36 @@ void Trainer::step_unless_interrupted(BatchLoader& loader) {
   }
 }
 
-double Trainer::time_share() const {
-  return run_.minutes > 0.0 ? whole_time_.seconds() / (60.0 * run_.minutes) : 0.0;
+BatchPlan Trainer::own_plan() const {
+  BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
+  if (run_.workers == nullptr) return plan;
+  const PartOfWork shards = part_of_worker(options_.shards, run_.workers->rank(), run_.workers->size());
+  const int per_shard = options_.batch_size / options_.shards;
+  return plan.part(static_cast<int>(shards.begin) * per_shard, static_cast<int>(shards.end) * per_shard);
+}
+
+void Trainer::agree() const {
+  WorkerGroup& workers = *run_.workers;
+  require_same(workers, "other options or another number of samples", identity());
+  require_same(workers, "another checkpoint", fmt::format("{}", step_));
+  BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
+  const TrainingBatch batch = plan.batch(step_);
+  require_same(workers, "other samples", hash_of(batch.inputs) + hash_of(batch.targets));
+  require_same(workers, "other weights", hash_of(network_.parameters()) + hash_of(averaged_->parameters()));
+}
+
+void Trainer::look_at_time() {
+  if (run_.minutes <= 0.0) return;
+  time_share_ = whole_time_.seconds() / (60.0 * run_.minutes);
+  if (run_.workers == nullptr) return;
+  const std::string said = from_first(
+      *run_.workers, std::string_view(reinterpret_cast<const char*>(&time_share_), sizeof time_share_));
+  std::memcpy(&time_share_, said.data(), sizeof time_share_);
 }
 
 double Trainer::progress() const {
   const double steps = static_cast<double>(step_ + 1) / static_cast<double>(step_count_);
-  return std::min(1.0, std::max(steps, time_share()));
+  return std::min(1.0, std::max(steps, time_share_));
 }
 
 void Trainer::step(BatchLoader& loader) {
@@ -153,6 +194,24 @@ double Trainer::decay_of_average() const {
 }
 
 void Trainer::validate(const BatchLoader& loader) {
+  // Workers on machines that do not compute alike would drift apart, and nobody would see it.
+  if (run_.workers != nullptr) require_same(*run_.workers, "other weights", hash_of(averaged_->parameters()));
+  TrainingMetrics metrics;
+  if (is_first_worker()) metrics = measured(loader);
+  if (run_.workers != nullptr) metrics = shared(metrics);
+  if (is_first_worker() && is_best(metrics)) task_.save(run_.model, *averaged_);
+  metrics_.push_back(metrics);
+  if (is_first_worker()) {
+    save_checkpoint();
+    if (run_.report) run_.report(metrics_, seconds_left());
+  }
+  loss_sum_ = 0.0;
+  loss_count_ = 0;
+  waited_before_ = loader.waited_seconds();
+  since_validation_ = Stopwatch();
+}
+
+TrainingMetrics Trainer::measured(const BatchLoader& loader) {
   const torch::NoGradGuard no_gradient;
   const BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
   measure_norm_statistics(*averaged_, plan, kNormBatches, device_);
@@ -166,14 +225,18 @@ void Trainer::validate(const BatchLoader& loader) {
   metrics.samples_per_second = static_cast<double>(loss_count_ * options_.batch_size) / seconds;
   metrics.waiting_share = (loader.waited_seconds() - waited_before_) / seconds;
   metrics.validation = task_.validate(*averaged_, device_);
-  if (is_best(metrics)) task_.save(run_.model, *averaged_);
-  metrics_.push_back(metrics);
-  save_checkpoint();
-  if (run_.report) run_.report(metrics_, seconds_left());
-  loss_sum_ = 0.0;
-  loss_count_ = 0;
-  waited_before_ = loader.waited_seconds();
-  since_validation_ = Stopwatch();
+  return metrics;
+}
+
+TrainingMetrics Trainer::shared(const TrainingMetrics& metrics) const {
+  std::string own;
+  if (is_first_worker()) {
+    const torch::Tensor values = as_tensor({metrics});
+    own.assign(static_cast<const char*>(values.data_ptr()), values.nbytes());
+  }
+  std::string said = from_first(*run_.workers, own);
+  const auto count = static_cast<int64_t>(said.size() / sizeof(double));
+  return metrics_of(torch::from_blob(said.data(), {1, count}, torch::kDouble)).front();
 }
 
 bool Trainer::is_best(const TrainingMetrics& metrics) const {
@@ -204,7 +267,7 @@ void Trainer::load_initial() {
   copy(averaged_->parameters(), network_.parameters());
   copy(averaged_->buffers(), network_.buffers());
   network_.share_buffers();
-  if (run_.report_initial) run_.report_initial(task_.validate(*averaged_, device_));
+  if (is_first_worker() && run_.report_initial) run_.report_initial(task_.validate(*averaged_, device_));
 }
 
 void Trainer::save_checkpoint() {

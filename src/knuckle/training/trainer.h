@@ -32,14 +32,23 @@ class Trainer {
   void step_unless_interrupted(BatchLoader& loader);
   /// How much of the training will be done after the next step.
   double progress() const;
-  /// How much of the time it may take has gone by; 0 where that is not limited.
-  double time_share() const;
+  /// Looks how much of the time it may take has gone by, by worker 0's clock; 0 where that is not limited.
+  void look_at_time();
   /// Shortens a gradient that is longer than `gradient_clip`.
   double scale_for(double norm) const;
   double decay_of_average() const;
 
-  /// Measures the averaged network, keeps it where it is the best so far, and writes a checkpoint.
+  bool is_first_worker() const { return run_.workers == nullptr || run_.workers->rank() == 0; }
+  /// The samples of a batch that this worker makes.
+  BatchPlan own_plan() const;
+  /// Throws an Error where another worker has other samples or weights, or begins elsewhere.
+  void agree() const;
+
+  /// Worker 0 measures the averaged network, keeps it where it is the best so far, and writes a checkpoint.
   void validate(const BatchLoader& loader);
+  TrainingMetrics measured(const BatchLoader& loader);
+  /// Worker 0's, for all.
+  TrainingMetrics shared(const TrainingMetrics& metrics) const;
   bool is_best(const TrainingMetrics& metrics) const;
   /// How long it will take from here, if it goes on as in this run [s].
   double seconds_left() const;
@@ -68,6 +77,7 @@ class Trainer {
   double waited_before_ = 0.0;
   Stopwatch since_validation_;
   Stopwatch whole_time_;
+  double time_share_ = 0.0;
 };
 
 }  // namespace knuckle

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/training/freed_memory.h"
+
+#include <limits>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace knuckle {
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
+}
+
+}  // namespace knuckle

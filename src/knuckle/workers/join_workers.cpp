@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/workers/join_workers.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <future>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+#include <ATen/Functions.h>
+#include <ATen/Version.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
+#include <unistd.h>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
+#include "knuckle/pipeline/stopwatch.h"
+#include "knuckle/storage/content_hash.h"
+#include "knuckle/workers/meeting_place.h"
+#include "knuckle/workers/watch.h"
+
+namespace knuckle {
+namespace {
+
+using Gloo = c10d::ProcessGroupGloo;
+
+constexpr auto kLook = std::chrono::milliseconds(20);
+/// How often one that waits for a message looks whether its sender still lives.
+constexpr auto kPatience = std::chrono::milliseconds(500);
+/// Messages have no time limit of their own: who is alive may be long at work before it sends one.
+constexpr auto kNoLimit = std::chrono::hours(24 * 365);
+/// Within this time workers tell how they ended; those whose heart has not beaten for as long are lost.
+constexpr double kTimeToTell = 5.0;
+constexpr double kSilence = 3.5;
+
+/// What the results hang on beside the options.
+std::vector<WorkerTrait> traits_of_this_program() {
+  return {{"another build of the program", content_hash("/proc/self/exe")},
+          {"another LibTorch or a processor with other instructions", at::show_config()}};
+}
+
+std::string lines_of(const std::vector<WorkerTrait>& traits) {
+  std::string lines;
+  for (const WorkerTrait& trait : traits) lines += text_hash(trait.value) + "\n";
+  return lines;
+}
+
+/// The first trait in which two workers differ.
+std::string difference(const std::vector<WorkerTrait>& traits, const std::string& a, const std::string& b) {
+  const std::size_t line = text_hash("").size() + 1;
+  for (std::size_t i = 0; i < traits.size(); ++i) {
+    if (a.substr(std::min(a.size(), i * line), line) != b.substr(std::min(b.size(), i * line), line))
+      return traits[i].what;
+  }
+  return "another build of the program";
+}
+
+std::shared_ptr<gloo::transport::Device> network_device(const WorkerPlace& place) {
+  constexpr const char* kHere = "127.0.0.1";
+  const char* const named = std::getenv("GLOO_SOCKET_IFNAME");
+  if (place.is_on_one_machine() || place.address == kHere || place.address == "localhost") {
+    return Gloo::createDeviceForHostname(kHere);
+  }
+  return named != nullptr ? Gloo::createDeviceForInterface(named) : Gloo::createDefaultDevice();
+}
+
+std::string hello(int rank) {
+  return fmt::format("hello/{}", rank);
+}
+std::string fault_of(int rank) {
+  return fmt::format("fault/{}", rank);
+}
+std::string reason(int rank) {
+  return fmt::format("reason/{}", rank);
+}
+std::string left(int rank) {
+  return fmt::format("left/{}", rank);
+}
+
+class GlooWorkers final : public JoinedWorkers {
+ public:
+  explicit GlooWorkers(const JoinOptions& options)
+      : options_(options),
+        place_(options.place),
+        notes_(std::make_shared<MeetingPlace>(options.place, options.wait_s)) {
+    options_.traits = traits_of_this_program();
+    options_.traits.insert(options_.traits.end(), options.traits.begin(), options.traits.end());
+    if (options_.has_met) options_.has_met();
+    try {
+      greet();
+      watch_ = std::make_unique<Watch>(notes_, place_.rank, place_.size, options_.wait_s);
+      connect();
+    } catch (const std::exception& error) {
+      say_fault(error.what());
+      linger();
+      throw;
+    }
+  }
+
+  ~GlooWorkers() override {
+    // Its threads may wait for messages that never come.
+    if (is_broken_) group_.release();
+  }
+
+  int rank() const override { return place_.rank; }
+  int size() const override { return place_.size; }
+  double seconds_in_exchange() const override { return seconds_in_exchange_; }
+  bool has_seen_fault() const override { return watch_ && watch_->has_seen_fault(); }
+
+  std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
+    end_if_over();
+    const Stopwatch watch;
+    auto pending = std::make_unique<Pending>(std::move(sent), sizes);
+    try {
+      wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_sizes,
+                                      pending->sent.sizes));
+    } catch (const std::exception& error) {
+      is_broken_ = true;
+      remember(error.what());
+      static_cast<void>(pending.release());  // a thread of Gloo may still write there
+      end_if_over();
+      throw WorkersFault(reason_);
+    }
+    seconds_in_exchange_ += watch.seconds();
+    return std::move(pending->received);
+  }
+
+  std::optional<std::string> ended_with(const std::string& own) override {
+    is_broken_ = true;
+    if (watch_ && !watch_->fault().empty()) remember(watch_->fault());
+    say(reason(place_.rank), reason_);
+    say_fault(own);
+    const std::optional<std::string> verdict = place_.rank == 0 ? verdict_of(own) : verdict_heard();
+    if (place_.rank == 0) say("verdict", *verdict);
+    linger();
+    return verdict;
+  }
+
+  void ended_well() override { linger(); }
+
+ private:
+  struct Pending {
+    Pending(Messages messages, std::vector<std::int64_t> sizes)
+        : sent(std::move(messages)),
+          received_sizes(std::move(sizes)),
+          received(static_cast<std::size_t>(
+              std::accumulate(received_sizes.begin(), received_sizes.end(), std::int64_t{0}))),
+          input(at::from_blob(sent.bytes.data(), {std::ssize(sent.bytes)}, at::kByte)),
+          output(at::from_blob(received.data(), {std::ssize(received)}, at::kByte)) {}
+
+    Messages sent;
+    std::vector<std::int64_t> received_sizes;
+    std::vector<std::byte> received;
+    at::Tensor input;
+    at::Tensor output;
+  };
+
+  /// Waits until all are there, and compares what they are.
+  void greet() {
+    const std::string own = lines_of(options_.traits);
+    notes_->say(hello(place_.rank), own);
+    std::vector<std::optional<std::string>> said(static_cast<std::size_t>(place_.size));
+    const Stopwatch watch;
+    while (!have_all_come(said)) {
+      end_if_interrupted();
+      if (const auto fault = fault_of_started()) fail("--workers: {} before it had begun", *fault);
+      if (watch.seconds() > options_.wait_s) fail_for_absent(said);
+      std::this_thread::sleep_for(kLook);
+    }
+    for (int k = 1; k < place_.size; ++k) {
+      const std::string& other = *said[static_cast<std::size_t>(k)];
+      if (other != *said[0]) {
+        fail(
+            "--workers: worker {} of {} has {} than worker 0: start all with the same program and options, "
+            "on processors of one kind",
+            k, place_.size, difference(options_.traits, *said[0], other));
+      }
+    }
+  }
+
+  /// One that has ended can no longer be asked.
+  bool have_all_come(std::vector<std::optional<std::string>>& said) {
+    for (int k = 0; k < place_.size; ++k) {
+      std::optional<std::string>& note = said[static_cast<std::size_t>(k)];
+      if (!note) note = notes_->said(hello(k));
+    }
+    return std::ranges::all_of(said, [](const auto& note) { return note.has_value(); });
+  }
+
+  [[noreturn]] void fail_for_absent(const std::vector<std::optional<std::string>>& said) const {
+    std::vector<int> absent;
+    for (int k = 0; k < place_.size; ++k) {
+      if (!said[static_cast<std::size_t>(k)]) absent.push_back(k);
+    }
+    fail(
+        "--workers: worker {} of {} did not come within {:g} s; look at its own output, or wait longer by "
+        "--wait",
+        fmt::join(absent, ", "), place_.size, options_.wait_s);
+  }
+
+  /// Connects each with each, which cannot be broken off: where one is lost meanwhile, it is left alone.
+  void connect() {
+    auto options = Gloo::Options::create(kNoLimit);
+    options->threads = 1;
+    options->devices.push_back(network_device(place_));
+    std::packaged_task<c10::intrusive_ptr<Gloo>()> task([store = notes_->store(), options, place = place_] {
+      return c10::make_intrusive<Gloo>(store, place.rank, place.size, options);
+    });
+    std::future<c10::intrusive_ptr<Gloo>> connected = task.get_future();
+    std::thread(std::move(task)).detach();
+    while (connected.wait_for(kPatience) != std::future_status::ready) {
+      if (is_over()) fail("--workers: a worker was lost while they connected to each other");
+      end_if_interrupted();
+    }
+    try {
+      group_ = connected.get();
+    } catch (const std::exception& error) {
+      const std::string_view text = error.what();
+      fail("--workers: the workers cannot connect to each other: {}", text.substr(0, text.find('\n')));
+    }
+  }
+
+  bool is_over() { return watch_->has_seen_fault() || fault_of_started().has_value(); }
+
+  std::optional<std::string> fault_of_started() const {
+    return options_.fault_of_started ? options_.fault_of_started() : std::nullopt;
+  }
+
+  void end_if_over() {
+    if (is_over()) throw WorkersFault("a worker has ended");
+    end_if_interrupted();
+  }
+
+  void wait_for(c10d::Work& work) {
+    while (!work.isCompleted()) {
+      try {
+        work.wait(kPatience);
+      } catch (const std::exception&) {  // also where it is done by now
+        if (!work.isCompleted()) end_if_over();
+      }
+    }
+    work.wait();  // throws what has gone wrong
+  }
+
+  void say(const std::string& name, const std::string& note) {
+    try {
+      notes_->say(name, note);
+    } catch (const std::exception&) {
+      is_notes_lost_ = true;
+    }
+  }
+
+  std::optional<std::string> heard(const std::string& name) {
+    try {
+      return notes_->said(name);
+    } catch (const std::exception&) {
+      is_notes_lost_ = true;
+      return std::nullopt;
+    }
+  }
+
+  void say_fault(const std::string& own) {
+    say(fault_of(place_.rank), own);
+    say("fault", "");
+  }
+
+  /// What worker 0 finds out: who failed, else who was ended by the system, else who is silent.
+  std::string verdict_of(const std::string& own) {
+    if (!own.empty()) return own;
+    const Stopwatch watch;
+    while (watch.seconds() < kTimeToTell) {
+      for (int k = 1; k < place_.size; ++k) {
+        const auto fault = heard(fault_of(k));
+        if (fault && !fault->empty()) return fmt::format("worker {} of {}: {}", k, place_.size, *fault);
+      }
+      if (const auto fault = fault_of_started()) {
+        if (fault->find("signal") != std::string::npos) return *fault;
+      }
+      std::this_thread::sleep_for(kLook);
+    }
+    const std::vector<int> silent = watch_ ? watch_->silent_for(kSilence) : std::vector<int>();
+    if (!silent.empty()) {
+      return fmt::format("worker {} of {} was lost: its process ended, or its connection was cut",
+                         fmt::join(silent, ", "), place_.size);
+    }
+    return fault_of_started().value_or(
+        fmt::format("the connection between two workers was cut: {}", reasons()));
+  }
+
+  /// What the workers that are left have seen.
+  std::string reasons() {
+    std::vector<std::string> all;
+    for (int k = 0; k < place_.size; ++k) {
+      const auto seen = heard(reason(k));
+      if (seen && !seen->empty()) all.push_back(fmt::format("worker {}: {}", k, *seen));
+    }
+    return fmt::format("{}", fmt::join(all, "; "));
+  }
+
+  /// The first line of the first fault that this worker has seen.
+  void remember(std::string_view fault) {
+    if (reason_.empty()) reason_ = fault.substr(0, fault.find('\n'));
+  }
+
+  /// What another than worker 0 hears: nothing where worker 0 knows.
+  std::optional<std::string> verdict_heard() {
+    const Stopwatch watch;
+    while (watch.seconds() < 2 * kTimeToTell && !is_notes_lost_) {
+      if (heard("verdict")) return std::nullopt;
+      std::this_thread::sleep_for(kLook);
+    }
+    return fmt::format("worker 0 of {} was lost: its process ended, or its connection was cut", place_.size);
+  }
+
+  /// Worker 0 stays until the others have heard what it has said.
+  void linger() {
+    watch_.reset();
+    say(left(place_.rank), "");
+    if (place_.rank != 0 || place_.is_on_one_machine()) return;
+    const Stopwatch watch;
+    for (int k = 1; k < place_.size; ++k) {
+      while (watch.seconds() < kTimeToTell && !heard(left(k))) std::this_thread::sleep_for(kLook);
+    }
+  }
+
+  JoinOptions options_;
+  WorkerPlace place_;
+  std::shared_ptr<MeetingPlace> notes_;
+  std::unique_ptr<Watch> watch_;
+  c10::intrusive_ptr<Gloo> group_;
+  std::string reason_;
+  bool is_broken_ = false;
+  bool is_notes_lost_ = false;
+  double seconds_in_exchange_ = 0.0;
+};
+
+}  // namespace
+
+bool has_workers() {
+  return true;
+}
+
+std::unique_ptr<JoinedWorkers> join_workers(const JoinOptions& options) {
+  return std::make_unique<GlooWorkers>(options);
+}
+
+}  // namespace knuckle

@@ -1,0 +1,270 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A network trained by several processes: the same bytes for any number of workers, killed and resumed with another; and each
+way in which one of them is missing, lost or different ends all with one line.
+
+    workers_test.py CASE PROGRAM
+"""
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+SKIPPED = 77
+PROJECT = pathlib.Path(__file__).resolve().parents[2]
+LONGEST_S = 300
+VARIABLES = ("RANK", "WORLD_SIZE", "MASTER_ADDR", "MASTER_PORT", "SLURM_STEP_NUM_TASKS", "SLURM_PROCID")
+CONFIG = """
+source = 'synthetic:{manifest}?count=12'
+validation = 'synthetic:{manifest}?first=12&count=4'
+start = 'truth'
+[patch]
+mode = 'cube'
+size_px = 32
+[samples]
+crop_px = 48
+[network]
+convention = 'icg20'
+architecture = 'dense'
+stem_channels = 4
+quarter_channels = 8
+eighth_channels = 8
+sixteenth_channels = 8
+head_channels = 8
+[training]
+epochs = {epochs}
+batch_size = 8
+shards = 4
+validate_every = {every}
+"""
+
+
+class Place:
+    """A folder with a configuration, and the program that trains from it."""
+
+    def __init__(self, program, folder):
+        self.program = program
+        self.folder = folder
+        (folder / "tmp").mkdir()
+
+    def command(self, out, workers, *more, epochs=6, every=2, config="train.toml"):
+        text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs, every=every)
+        (self.folder / config).write_text(text)
+        return [self.program, "train", "network", "--config", self.folder / config, "--out", self.folder / out, "--workers",
+                str(workers), "--cache", self.folder / "cache", *more]
+
+    def environment(self, **variables):
+        own = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+        return {**own, "TMPDIR": str(self.folder / "tmp"), **variables}
+
+    def start(self, command, **variables):
+        return subprocess.Popen(command, cwd=PROJECT, env=self.environment(**variables), stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
+
+    def bytes_of(self, out):
+        return (self.folder / out).read_bytes()
+
+    def wait_for_checkpoint(self, out, process):
+        end = time.monotonic() + LONGEST_S
+        while not (self.folder / f"{out}.checkpoint").exists():
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() < end, "no checkpoint"
+            time.sleep(0.02)
+
+    def started_workers(self):
+        """Processes that worker 0 has started, by their rank."""
+        mark = f"KNUCKLE_WORKERS_FOLDER={self.folder}".encode()
+        found = {}
+        for place in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                variables = (place / "environ").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if any(variable.startswith(mark) for variable in variables):
+                rank = next(variable for variable in variables if variable.startswith(b"KNUCKLE_WORKER="))
+                found[int(rank.split(b"=")[1])] = int(place.name)
+        return found
+
+    def assert_all_end(self):
+        end = time.monotonic() + LONGEST_S
+        while self.started_workers():
+            assert time.monotonic() < end, "a worker goes on alone"
+            time.sleep(0.05)
+        assert not list((self.folder / "tmp").iterdir()), "the workers' folder is left"
+
+
+def ended(process):
+    out, errors = process.communicate(timeout=LONGEST_S)
+    lines = [line for line in errors.splitlines() if line.startswith("knuckle:")]
+    return process.returncode, out, lines, errors
+
+
+def succeeded(process):
+    status, out, _, errors = ended(process)
+    assert status == 0, errors
+    return out
+
+
+def failed_with(process, *parts):
+    status, _, lines, errors = ended(process)
+    assert status == 1 and len(lines) == 1, (status, errors)
+    assert all(part in lines[0] for part in parts), (parts, lines)
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return str(probe.getsockname()[1])
+
+
+def met(rank, size, port):
+    return {"RANK": str(rank), "WORLD_SIZE": str(size), "MASTER_ADDR": "127.0.0.1", "MASTER_PORT": port}
+
+
+def same_bytes(place):
+    for workers in (1, 2, 4):
+        succeeded(place.start(place.command(f"{workers}.pt", workers)))
+        place.assert_all_end()
+    assert place.bytes_of("1.pt") == place.bytes_of("2.pt") == place.bytes_of("4.pt")
+    # The metrics, but for the two that are times.
+    metrics = [[line.split(",")[:-2] for line in place.bytes_of(f"{workers}.pt.metrics.csv").decode().splitlines()]
+               for workers in (1, 2, 4)]
+    assert metrics[0] == metrics[1] == metrics[2], metrics
+
+
+def resumed(place):
+    long = {"epochs": 40, "every": 12}  # 60 steps
+    succeeded(place.start(place.command("whole.pt", 1, **long)))
+    for before, after in ((2, 4), (4, 1)):
+        process = place.start(place.command("parts.pt", before, **long))
+        place.wait_for_checkpoint("parts.pt", process)
+        process.kill()
+        assert ended(process)[0] == -signal.SIGKILL, "faster than its killer"
+        while place.started_workers():
+            time.sleep(0.05)
+        succeeded(place.start(place.command("parts.pt", after, "--resume", **long)))
+        assert place.bytes_of("parts.pt") == place.bytes_of("whole.pt"), (before, after)
+        (place.folder / "parts.pt").unlink()
+        (place.folder / "parts.pt.checkpoint").unlink()
+
+
+def lost_worker(place):
+    for sent, name, wait_s in ((signal.SIGKILL, "worker 1 of 3 was ended by signal 9", 300),
+                               (signal.SIGSTOP, "worker 1 of 3 was lost", 30)):
+        process = place.start(place.command("net.pt", 3, "--wait", str(wait_s), epochs=4000))
+        place.wait_for_checkpoint("net.pt", process)
+        os.kill(place.started_workers()[1], sent)
+        failed_with(process, name, "--resume")
+        place.assert_all_end()
+        (place.folder / "net.pt.checkpoint").unlink()
+    process = place.start(place.command("net.pt", 2, epochs=4000))
+    place.wait_for_checkpoint("net.pt", process)
+    process.kill()
+    failed = process.communicate(timeout=LONGEST_S)[1]
+    assert "worker 0 of 2 was lost" in failed, failed
+    place.assert_all_end()
+    (place.folder / "net.pt.checkpoint").unlink()
+    process = place.start(place.command("net.pt", 2, epochs=4000))
+    place.wait_for_checkpoint("net.pt", process)
+    for worker in (process.pid, *place.started_workers().values()):
+        os.kill(worker, signal.SIGINT)
+    failed_with(process, "interrupted after", "--resume")
+    place.assert_all_end()
+
+
+def missing_worker(place):
+    failed_with(place.start(place.command("net.pt", 2, "--wait", "5"), **met(0, 2, free_port())), "worker 1 of 2 did not come",
+                "5 s")
+    failed_with(place.start(place.command("net.pt", 2, "--wait", "5"), **met(1, 2, free_port())), "worker 1 of 2", "no worker 0")
+    failed_with(place.start(place.command("net.pt", 3), **met(0, 2, free_port())), "--workers 2")
+    failed_with(place.start(place.command("net.pt", 8)), "8 workers for 4 shards")
+    place.assert_all_end()
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        failed_with(place.start(place.command("net.pt", 2, "--wait", "5"), **met(0, 2, port)), port, "in use")
+    assert not (place.folder / "net.pt").exists()
+
+
+def other_options(place):
+    port = free_port()
+    other = place.start(place.command("net.pt", 2, config="other.toml", epochs=7), **met(1, 2, port))
+    failed_with(place.start(place.command("net.pt", 2), **met(0, 2, port)), "worker 1 of 2", "other options")
+    assert ended(other)[0] == 1
+    port = free_port()
+    changed = place.folder / "knuckle-train-network"
+    changed.write_bytes(place.program.with_name("knuckle-train-network").read_bytes() + b"another build")
+    changed.chmod(0o755)
+    other = place.start([changed, *place.command("net.pt", 2)[1:]], **met(1, 2, port))
+    failed_with(place.start(place.command("net.pt", 2), **met(0, 2, port)), "worker 1 of 2", "another build")
+    assert ended(other)[0] == 1
+    port = free_port()
+    other = place.start(place.command("net.pt", 2), **met(1, 2, port))
+    succeeded(place.start(place.command("net.pt", 2), **met(0, 2, port)))
+    status, out, lines, _ = ended(other)
+    assert status == 0 and not out and not lines, "worker 0 alone speaks"
+    port = free_port()
+    other = place.start(place.command("elsewhere.pt", 2, "--resume"), **met(1, 2, port))  # where there is no checkpoint
+    failed_with(place.start(place.command("net.pt", 2, "--resume"), **met(0, 2, port)), "worker 1 of 2", "elsewhere.pt.checkpoint")
+    assert ended(other)[0] == 1
+
+
+def full_disk(place):
+    command = place.command("net.pt", 2)
+    subprocess.run(place.command("first.pt", 1), cwd=PROJECT, env=place.environment(), check=True, stdout=subprocess.DEVNULL)
+    limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               restore_signals=False,  # a write beyond the limit fails, as on a full disk
+                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)))
+    failed_with(limited, "net.pt")
+    place.assert_all_end()
+
+
+def slurm(place):
+    missing = [name for name in ("slurmctld", "slurmd", "srun") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
+    if missing or os.geteuid() != 0:
+        print(f"skipped: {missing[0]} is missing" if missing else "skipped: Slurm's daemons are started by root alone")
+        sys.exit(SKIPPED)
+    cluster = place.folder / "slurm"
+
+    def say(what):
+        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, cluster], check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"})
+
+    say("start")
+    try:
+        arguments = place.command("two.pt", 2)
+        config, cache = arguments[arguments.index("--config") + 1], arguments[arguments.index("--cache") + 1]
+        # By hand, then by the script, for an allocation of both tasks.
+        step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *arguments]
+        slurm_conf = str(cluster / "slurm.conf")
+        succeeded(place.start(step, SLURM_CONF=slurm_conf, MASTER_ADDR="127.0.0.1"))
+        log = place.folder / "job.log"
+        job = ["sbatch", "--wait", "--ntasks=2", "--overcommit", f"--output={log}", f"--chdir={PROJECT}",
+               PROJECT / "scripts/slurm/train_network.sh", config, place.folder / "job.pt", "--cache", cache]
+        process = place.start(job, SLURM_CONF=slurm_conf, KNUCKLE=str(place.program), SLURM_OVERCOMMIT="1")
+        assert ended(process)[0] == 0, log.read_text()
+        assert "2 workers" in log.read_text(), log.read_text()
+    finally:
+        say("stop")
+    succeeded(place.start(place.command("one.pt", 1)))
+    assert place.bytes_of("one.pt") == place.bytes_of("two.pt") == place.bytes_of("job.pt")
+
+
+CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)}
+
+
+def main():
+    case, program = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as name:
+        CASES[case](Place(pathlib.Path(program).resolve(), pathlib.Path(name)))
+
+
+if __name__ == "__main__":
+    main()
