@@ -184,7 +184,7 @@ TEST_F(LabelSessionTest, AVerifiedFramePullsItsNeighboursAndNotThoseThatAPersonT
   }
   EXPECT_EQ(session.frame(6).hands[0].state, LabelState::corrected);
   EXPECT_EQ(session.frame(6).hands[0].revision, 2) << "left as the person left it";
-  EXPECT_EQ(session.frame(7).hands[0].state, LabelState::estimated) << "beyond it";
+  EXPECT_EQ(session.frame(7).hands[0].state, LabelState::propagated) << "beyond it, too";
 }
 
 TEST_F(LabelSessionTest, TheNextFrameIsTheMostDoubtfulOneThatIsNotVerified) {
