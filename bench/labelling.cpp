@@ -2,14 +2,12 @@
 // How far labels are from the truth after so many corrections, by the scripted annotator of
 // web/tests/annotator.mjs without a browser: seconds in place of minutes, and where the error lies.
 //
-//     knuckle_labelling 'synthetic:manifests/test_scenes.toml' --count 60 --verify --turns
+//     knuckle_labelling synthetic:manifests/test_scenes.toml --turns --guess 10 --out docs/images
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -20,9 +18,11 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/random.h"
 #include "knuckle/core/statistics.h"
+#include "knuckle/eval/pictures/figures.h"
 #include "knuckle/label/label_session.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {
@@ -30,7 +30,7 @@ namespace {
 struct LabellingOptions {
   std::string source;
   std::filesystem::path pipeline = "pipelines/default.toml";
-  std::filesystem::path curve;  ///< CSV with the mean error after each number of corrections
+  std::filesystem::path figure_folder;  ///< for the curves of all four ways; empty: that of the options
   std::int64_t first = 0;
   std::int64_t count = 60;
   int most_corrections = 4;
@@ -88,7 +88,7 @@ class Annotator {
     for (std::int64_t i = 0; i < source_.size(); ++i) work_on(i);
   }
   void print() const;
-  void write_curve() const;
+  std::vector<double> curve_mm() const;
 
  private:
   void work_as_proposed() {
@@ -268,15 +268,15 @@ void Annotator::print() const {
   fmt::print("\n");
 }
 
-void Annotator::write_curve() const {
-  if (options_.curve.empty()) return;
-  std::ofstream file(options_.curve);
-  for (std::size_t i = 0; i < errors_.size(); ++i)
-    file << fmt::format("{},{:.3f}\n", i, errors_[i].all.value());
-  if (!file.flush()) fail("{}: cannot be written", options_.curve.string());
+std::vector<double> Annotator::curve_mm() const {
+  std::vector<double> curve;
+  for (const Errors& errors : errors_) curve.push_back(errors.all.value());
+  return curve;
 }
 
-void measure(const LabellingOptions& options) {
+/// The mean error after each number of corrections [mm].
+std::vector<double> measured(const LabellingOptions& options) {
+  std::vector<double> curve;
   const auto whole = open_source(options.source);
   const PartOfSource source(*whole, options.first, options.count);
   const Pipeline pipeline = Pipeline::load(options.pipeline);
@@ -301,9 +301,33 @@ void measure(const LabellingOptions& options) {
     Annotator annotator(source, session, options);
     annotator.work();
     annotator.print();
-    annotator.write_curve();
+    curve = annotator.curve_mm();
   }
   std::filesystem::remove_all(folder);
+  return curve;
+}
+
+void draw(LabellingOptions options) {
+  struct Way {
+    const char* name;
+    bool is_raw;
+    bool verifies;
+  };
+  Figure figure;
+  figure.name = "labelling";
+  figure.title = "Labels of a scripted annotator";
+  figure.x_label = "corrections per frame";
+  figure.y_label = "mean distance from the truth [mm]";
+  for (int i = 0; i <= options.most_corrections; ++i) figure.x.push_back(i);
+  for (const Way& way : {Way{"raw points", true, false}, Way{"hand model", false, false},
+                         Way{"hand model, neighbours follow", false, true}}) {
+    fmt::print("{}: ", way.name);
+    options.is_raw = way.is_raw;
+    options.verifies = way.verifies;
+    figure.series.push_back({way.name, measured(options)});
+  }
+  make_folder(options.figure_folder);
+  write_figures(std::vector{figure}, options.figure_folder);
 }
 
 }  // namespace
@@ -326,10 +350,15 @@ int main(int argc, char** argv) {
   app.add_option("--guess", options.guess_mm, "place hidden landmarks, too, with this deviation [mm]")
       ->check(CLI::Range(0.0, 100.0));
   app.add_flag("--turns", options.turns, "also move landmarks in the points, turned");
-  app.add_option("--curve", options.curve, "CSV: corrections, mean error [mm]");
+  app.add_option("--out", options.figure_folder,
+                 "folder for a figure: raw points, the hand model, and with neighbours that follow");
   CLI11_PARSE(app, argc, argv);
   try {
-    knuckle::measure(options);
+    if (options.figure_folder.empty()) {
+      knuckle::measured(options);
+    } else {
+      knuckle::draw(options);
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -34,28 +34,21 @@ GapPenalty of_floating(double gap_mm) {
   return {kFarMm * (gap_mm - 0.5 * kFarMm), kFarMm / gap_mm};
 }
 
-/// How far a landmark is from its target, as it counts.
+/// How far a landmark is from its target.
 struct Miss {
   Eigen::Vector3d away = Eigen::Vector3d::Zero();   ///< from the target [mm]
   Eigen::Vector3d sight = Eigen::Vector3d::Zero();  ///< of length 1
   double along_mm = 0.0;                            ///< the part of `away` along it
   double squared = 0.0;                             ///< distance, squared, its depth weighted [mm^2]
-  double trust = 1.0;                               ///< 1 / (1 + squared / doubt squared)
-
-  /// What half of its square counts.
-  double value() const { return 0.5 * squared * trust; }
 };
 
 Miss miss_of(const LandmarkTarget& target, const Point3& landmark) {
   Miss miss{.away = landmark - target.point};
   miss.squared = miss.away.squaredNorm();
-  if (target.depth_weight != 1.0) {
-    miss.sight = target.point.normalized();
-    miss.along_mm = miss.away.dot(miss.sight);
-    miss.squared += (target.depth_weight - 1.0) * miss.along_mm * miss.along_mm;
-  }
-  if (std::isfinite(target.doubt_mm))
-    miss.trust = 1.0 / (1.0 + miss.squared / (target.doubt_mm * target.doubt_mm));
+  if (target.depth_weight == 1.0) return miss;
+  miss.sight = target.point.normalized();
+  miss.along_mm = miss.away.dot(miss.sight);
+  miss.squared += (target.depth_weight - 1.0) * miss.along_mm * miss.along_mm;
   return miss;
 }
 
@@ -173,7 +166,7 @@ double SkeletonEnergy::at(const SkeletonPose& pose) const {
   const Points points = landmarks(skeleton_, pose);
   double energy = prior_of(pose);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_known(targets_[i])) energy += weight(i) * miss_of(targets_[i], points[i]).value();
+    if (is_known(targets_[i])) energy += 0.5 * weight(i) * miss_of(targets_[i], points[i]).squared;
   }
   for_each_contact(points, pose.size, [&](const SurfaceContact&, const GapPenalty& gap, double weight) {
     energy += weight * gap.value;
@@ -190,8 +183,7 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_known(targets_[i])) continue;
     const Miss miss = miss_of(targets_[i], points[i]);
-    result.energy += weight(i) * miss.value();
-    const double full_weight = weight(i) * miss.trust * miss.trust;
+    result.energy += 0.5 * weight(i) * miss.squared;
     const auto add = [&](const Eigen::Vector3d& direction, double residual, double weight) {
       std::array<double, kSkeletonUnknowns> row;
       for (int k = 0; k < movers[i].count; ++k) {
@@ -201,9 +193,9 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
       }
       add_square(movers[i], row.data(), residual, weight, result);
     };
-    for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis), miss.away[axis], full_weight);
+    for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis), miss.away[axis], weight(i));
     if (targets_[i].depth_weight != 1.0)
-      add(miss.sight, miss.along_mm, full_weight * (targets_[i].depth_weight - 1.0));
+      add(miss.sight, miss.along_mm, weight(i) * (targets_[i].depth_weight - 1.0));
   }
   std::array<Movers, kFleshCount> movers_of_flesh;
   for (std::size_t i = 0; i < kFleshCount; ++i) {

@@ -51,8 +51,6 @@ void check_arguments(const LandmarkTargets& targets, const HandSurface& surface,
     if (!(target.weight >= 0.0) || !std::isfinite(target.weight))
       fail("skeleton fit: a landmark's weight is {}, expected a finite number, 0 or more", target.weight);
     check_not_below_0(target.depth_weight, "depth_weight");
-    if (!(target.doubt_mm > 0.0))
-      fail("skeleton fit: doubt_mm of a landmark is {}, expected above 0", target.doubt_mm);
   }
   if (!std::ranges::all_of(surface.points, [](const Point3& point) { return point.allFinite(); }))
     fail("skeleton fit: a point of the surface is not finite");

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <optional>
 
 #include "knuckle/hand/hand_skeleton.h"
@@ -31,9 +30,6 @@ struct LandmarkTarget {
   Point3 point = Point3::Constant(kNaN);  ///< in camera coordinates [mm]; NaN where it was not found
   double weight = 1.0;                    ///< [0, inf); the deviation is `noise_mm` / sqrt(weight)
   double depth_weight = 1.0;  ///< [0, inf); factor on `weight` along the line of sight, from the origin
-  /// A target that is this far from its landmark counts a quarter, beyond it ever less (Geman and McClure
-  /// 1985), since it may be wrong, (0, inf] [mm]; infinite: each counts in full.
-  double doubt_mm = std::numeric_limits<double>::infinity();
 };
 /// One per landmark, in the order of Landmark.
 using LandmarkTargets = std::array<LandmarkTarget, kSupersetSize>;

@@ -40,6 +40,20 @@ std::vector<LandmarkLabel> labels_of(const HandPose& pose) {
   return labels;
 }
 
+/// Whether any landmark lies clearly elsewhere, or is labelled in one of both alone: less is not worth a line
+/// in the file.
+bool has_moved(const std::vector<LandmarkLabel>& before, const std::vector<LandmarkLabel>& after,
+               const Projection& projection) {
+  constexpr double kClearlyMm = 1.0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (before[i].at.is_missing() != after[i].at.is_missing()) return true;
+    if (before[i].at.is_missing()) continue;
+    if ((projection.to_camera(before[i].at) - projection.to_camera(after[i].at)).norm() > kClearlyMm)
+      return true;
+  }
+  return false;
+}
+
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -66,7 +80,9 @@ std::string LabelSession::now() const {
 }
 
 int LabelSession::sequence_of(std::int64_t index) const {
-  return source_.read_label(index).sequence;
+  const auto known = sequences_.find(index);
+  if (known != sequences_.end()) return known->second;
+  return sequences_[index] = source_.read_label(index).sequence;
 }
 
 // --- frames ---
@@ -379,19 +395,17 @@ bool LabelSession::estimate_one() {
   return true;
 }
 
-/// The nearest first: they follow most surely.
+/// The nearest first: they follow most surely. On each side as far as the next verified frame.
 void LabelSession::queue_neighbours(HandKey hand) {
-  const int sequence = sequence_of(hand.frame);
   std::array<bool, 2> goes_on{true, true};
   for (int away = 1; away <= options_.reach; ++away) {
     for (const int direction : {-1, 1}) {
       bool& goes = goes_on[direction < 0 ? 0 : 1];
       const HandKey other{hand.frame + direction * away, hand.side};
-      goes = goes && other.frame >= 0 && other.frame < head().frames && sequence_of(other.frame) == sequence;
+      goes = goes && other.frame >= 0 && other.frame < head().frames;
       if (!goes) continue;
       const HandHistory* const history = journal_.book().find(other);
-      if (history != nullptr && history->state() == LabelState::verified)
-        goes = false;  // beyond, that one counts
+      if (history != nullptr && history->state() == LabelState::verified) goes = false;
       if (history != nullptr && history->state() >= LabelState::corrected) continue;
       std::erase(to_propagate_, other);
       to_propagate_.push_back(other);
@@ -426,7 +440,7 @@ std::vector<ImagePoint> LabelSession::first_estimate_of(HandKey hand) const {
   return points;
 }
 
-/// The nearest verified frame on each side.
+/// The verified hands around one, in the same sequence.
 std::vector<LabelAnchor> LabelSession::anchors_of(HandKey hand) const {
   std::vector<LabelAnchor> anchors;
   const int sequence = sequence_of(hand.frame);
@@ -439,10 +453,10 @@ std::vector<LabelAnchor> LabelSession::anchors_of(HandKey hand) const {
       const auto fit = fits_.find(other);
       if (fit == fits_.end()) continue;
       anchors.push_back({.away = away,
+                         .is_before = direction < 0,
                          .fit = &fit->second.fit,
                          .labels = &history->newest().landmarks,
                          .estimates = first_estimate_of(other)});
-      break;
     }
   }
   return anchors;
@@ -464,6 +478,7 @@ void LabelSession::propagate(HandKey hand, const Frame& frame) {
   const auto fit = fit_labels(frame, hand.side, head().convention, labels, estimates, context, options_.fit);
   if (!fit) return;
   labels = with_fit(std::move(labels), *fit, LabelState::propagated);
+  if (history != nullptr && !has_moved(history->newest().landmarks, labels, Projection(frame.camera))) return;
   const std::int64_t revision = history == nullptr ? 1 : history->revision() + 1;
   fits_.insert_or_assign(hand, KeptFit{revision, *fit, 0.5 * doubt_of(*fit)});
   commit({.frame = hand.frame,

@@ -143,6 +143,7 @@ class LabelSession {
   LabelSessionOptions options_;
   mutable std::mutex mutex_;
   FrameCache frames_;
+  mutable std::map<std::int64_t, int> sequences_;  ///< of frames that were asked for: sources may be slow
   std::map<HandKey, KeptFit> fits_;
   std::map<std::pair<int, HandSide>, PersonBones> bones_;  ///< one per sequence and side
   std::set<std::int64_t> looked_at_;                       ///< frames that were estimated, also in vain
