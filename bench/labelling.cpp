@@ -152,9 +152,10 @@ class Annotator {
     if (label.at.is_missing() || joint.is_missing()) return std::nullopt;
     const double away_mm = (projection.to_camera(joint) - projection.to_camera(label.at)).norm();
     const bool is_corrected = label.state == LabelState::corrected;
-    if (is_seen(landmark))
-      return away_mm > options_.least_mm && (options_.turns || !is_corrected) ? std::optional(away_mm)
-                                                                              : std::nullopt;
+    if (is_seen(landmark)) {
+      const bool is_left = away_mm <= options_.least_mm || (is_corrected && !options_.turns);
+      return is_left ? std::nullopt : std::optional(away_mm);
+    }
     const bool is_clear = options_.guess_mm > 0.0 && away_mm > kClearlyOff * options_.guess_mm;
     return is_clear && !is_corrected ? std::optional(away_mm) : std::nullopt;
   }
