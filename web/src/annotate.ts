@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page for labelling: what is known, what the user does, and when to draw.
+import { ChangeQueue } from "./change_queue.ts";
 import { CloudView, type Viewpoint } from "./cloud_view.ts";
 import { DepthRange } from "./depth_range.ts";
+import { kCoarse_px, kDepthStep_mm, kFine_px, listenToFineSteps } from "./fine_steps.ts";
 import { FilmStrip, type StripOrder } from "./film_strip.ts";
+import { aimAt, middleOf, zoomAt } from "./image_aim.ts";
 import { ImageView, type ImageKind } from "./image_view.ts";
 import {
-  fetchFrame, fetchInfo, fetchNext, fetchStandings, listenToChanges, postChange, Refusal, type Change,
+  fetchFrame, fetchInfo, fetchNext, fetchStandings, listenToChanges, Refusal, type Change,
 } from "./label_client.ts";
 import { readLabelled, type HandLabels, type LabelAnswer, type Labelled, type LabelInfo, type LabelRequest, type Standings } from "./label_protocol.ts";
+import { drawLabelMarks } from "./label_marks.ts";
+import { inWords, LandmarkList } from "./landmark_list.ts";
 import { depthPalette } from "./palette.ts";
 import { Announcer, element, Notices, setText } from "./panel.ts";
 import { FrameImages, MessageError, type FrameHeader, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
@@ -18,10 +23,6 @@ import { WorkTimer } from "./work_timer.ts";
 const kReach_px = 14;  // of a landmark around the pointer
 const kCloseness = 2.2;  // of the points: the hand fills the view
 const kRangeMargin_mm = 60;
-const kFine_px = 0.5;
-const kCoarse_px = 4;
-const kDepthStep_mm = 1;
-const kMostZoom = 16;
 const kRemarkShown_ms = 8000;
 
 /** All that the page knows; what is seen follows from it. */
@@ -35,12 +36,8 @@ const state = {
   standings: null as Standings | null,
   usesModel: true,
   isOpen: false,  // the line that tells of changes
-  isPosting: false,
   drag: null as { view: "image" | "cloud"; from: Point2; at: Point2; start: Point3 | null; hasMoved: boolean; pans: Point2 | null } | null,
-  nextPreview: null as LabelRequest | null,
-  isPreviewing: false,
   fit_ms: null as number | null,
-  answered_ms: null as number | null,  // from the last change to its answer
   imageChanged: false,
   cloudChanged: false,
 };
@@ -55,9 +52,11 @@ imageView.namesHands = false;
 const cloudView = openCloudView();
 if (cloudView) cloudView.closeness = kCloseness;
 const strip = new FilmStrip(element("strip"), palette, (frame) => void leaveFor(() => frame));
+const landmarkList = new LandmarkList(element("landmarks"), choose);
 const notices = new Notices(element("notices"));
 const announcer = new Announcer(element("announcer"));
 const timer = new WorkTimer(performance.now());
+const changes = new ChangeQueue({ attempt, takeAnswer, takePreview, takeSeconds: () => timer.take_s(performance.now()) });
 
 function openCloudView(): CloudView | null {
   try {
@@ -149,7 +148,7 @@ async function openFrame(frame: number): Promise<void> {
 
 /** Once the changes that were made here are answered: they belong to this frame. */
 async function leaveFor(frame: () => number | null): Promise<void> {
-  while (state.isPosting) await new Promise((done) => setTimeout(done, 5));
+  await changes.settled();
   const next = frame();
   if (next !== null) await openFrame(next);
 }
@@ -159,7 +158,7 @@ function step(by: -1 | 1): void {
 }
 
 async function openProposed(): Promise<void> {
-  while (state.isPosting) await new Promise((done) => setTimeout(done, 5));
+  await changes.settled();
   await attempt(async () => {
     const next = await fetchNext(state.frame);
     if (next === null) remark("All frames are verified.");
@@ -183,7 +182,7 @@ function askForStandings(): void {
 
 function takeChange(change: Change): void {
   askForStandings();
-  if (change.frame !== state.frame || state.isPosting || state.drag) return;
+  if (change.frame !== state.frame || changes.isPosting || state.drag) return;
   const known = state.labels.find(({ side }) => side === change.side)?.revision ?? 0;
   if (change.revision <= known) return;
   if (known > 0) remark("The labels of this frame were changed elsewhere; what you see now is how they stand.");
@@ -200,35 +199,11 @@ function requestOfLandmark(act: LabelRequest["act"], more: Partial<LabelRequest>
   return request(act, { landmark: state.landmark, ...more });
 }
 
-/** One change at a time: each is made of what the last one's answer says. */
-const queue: (() => LabelRequest | null)[] = [];
-
-function change(make: () => LabelRequest | null): void {
-  queue.push(make);
-  if (!state.isPosting) void postAll();
-}
-
-async function postAll(): Promise<void> {
-  state.isPosting = true;
-  while (queue.length > 0) {
-    const made = queue.shift()!();
-    if (!made) continue;
-    const wanted = { ...made, seconds: timer.take_s(performance.now()) };
-    await attempt(async () => {
-      const begin = performance.now();
-      const answer = await postChange(wanted);
-      state.answered_ms = performance.now() - begin;
-      await takeAnswer(answer);
-    });
-  }
-  state.isPosting = false;
-}
-
 async function takeAnswer(answer: LabelAnswer): Promise<void> {
   if (answer.fit_ms !== null && answer.fit_ms > 0) state.fit_ms = answer.fit_ms;
   notices.set("disk", answer.fault === "" ? null
     : `The labels cannot be written: ${answer.fault}. ${answer.waiting} changes wait in the program's memory, and are written once there is room.`);
-  if (answer.refused) queue.length = 0;
+  if (answer.refused) changes.clear();
   remark(answer.remark);
   askForStandings();
   const nothing = answer.labels.length === 0 && answer.refused;  // nothing to undo
@@ -236,43 +211,27 @@ async function takeAnswer(answer: LabelAnswer): Promise<void> {
   else if (!nothing) takeLabels(answer);
 }
 
-/** What a drag would do is asked for as often as it is answered. */
-function preview(wanted: LabelRequest): void {
-  state.nextPreview = { ...wanted, preview: true };
-  if (!state.isPreviewing) void previewAll();
-}
-
-async function previewAll(): Promise<void> {
-  state.isPreviewing = true;
-  while (state.nextPreview) {
-    const wanted = state.nextPreview;
-    state.nextPreview = null;
-    await attempt(async () => {
-      const answer = await postChange(wanted);
-      if (state.drag && !answer.refused && answer.remark === "") {
-        const revisions = state.labels.map(({ revision }) => revision);
-        takeLabels(answer);
-        state.labels.forEach((labels, i) => { labels.revision = revisions[i] ?? labels.revision; });
-      }
-    });
-  }
-  state.isPreviewing = false;
+function takePreview(answer: LabelAnswer): void {
+  if (!state.drag || answer.refused || answer.remark !== "") return;
+  const revisions = state.labels.map(({ revision }) => revision);
+  takeLabels(answer);
+  state.labels.forEach((labels, i) => { labels.revision = revisions[i] ?? labels.revision; });
 }
 
 function verify(goesOn: boolean): void {
-  change(() => request("verify"));
+  changes.add(() => request("verify"));
   if (goesOn) void openProposedAfterPosting();
 }
 
 async function openProposedAfterPosting(): Promise<void> {
-  while (state.isPosting) await new Promise((done) => setTimeout(done, 10));
+  await changes.settled();
   if (handLabels()?.state !== "verified") return;  // it was refused: stay
   if (strip.order === "time") step(1);
   else await openProposed();
 }
 
 function stepBack(act: "undo" | "redo"): void {
-  change(() => ({ act }));
+  changes.add(() => ({ act }));
 }
 
 function place(): Point3 | null {
@@ -282,7 +241,7 @@ function place(): Point3 | null {
 /** A fine step across the image [px], or along the line of sight [mm]. */
 function nudge(right: number, down: number, away_mm: number): void {
   const { landmark, side } = state;
-  change(() => {
+  changes.add(() => {
     const at = state.header?.record.hands.find((one) => one.side === side)?.landmarks_mm[landmark];
     return at ? request("move", { side, landmark, point_mm: nudged(at, right, down, away_mm) }) : null;
   });
@@ -297,7 +256,7 @@ function nudged(at: Point3, right: number, down: number, away_mm: number): Point
 
 function toggleVisible(): void {
   const { landmark } = state;
-  change(() => {
+  changes.add(() => {
     const label = handLabels()?.landmarks[landmark];
     return label ? request("look", { landmark, visible: !label.visible }) : null;
   });
@@ -305,7 +264,7 @@ function toggleVisible(): void {
 
 function free(): void {
   const wanted = requestOfLandmark("free");
-  change(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
+  changes.add(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
 }
 
 // ---- Drawing ----
@@ -324,38 +283,7 @@ function drawImage(): void {
   imageView.colour(images, state.header.depth_unit_mm, range);
   fitCanvas(imageCanvas);
   imageView.draw(state.header, bones());
-  if (imageView.showsSkeleton) drawMarks();
-}
-
-/** A square around what a person answers for, a ring around what is chosen; hidden ones are crossed. */
-function drawMarks(): void {
-  const context = imageCanvas.getContext("2d")!;
-  const ratio = imageCanvas.width / Math.max(1, imageCanvas.clientWidth);
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  state.header!.record.hands.forEach((one, i) => {
-    const labels = state.labels[i]!;
-    for (const [name, label] of Object.entries(labels.landmarks)) {
-      const at = one.landmarks_px[name];
-      if (!at || !label) continue;
-      const [x, y] = imageView.canvasAt(at);
-      const isChosen = labels.side === state.side && name === state.landmark;
-      const marks: [number, string][] = [[4, "#0b0f13"], [2, isChosen ? "#ffffff" : label.state === "verified" ? "#58c98a" : "#f5c469"]];
-      for (const [width, colour] of marks) {
-        context.lineWidth = width;
-        context.strokeStyle = colour;
-        context.beginPath();
-        if (label.state === "corrected" || label.state === "verified") context.rect(x - 7, y - 7, 14, 14);
-        context.moveTo(x + 11, y);
-        if (isChosen) context.arc(x, y, 11, 0, 2 * Math.PI);
-        if (!label.visible) {
-          context.moveTo(x - 5, y - 5);
-          context.lineTo(x + 5, y + 5);
-        }
-        context.stroke();
-      }
-    }
-  });
-  context.setTransform(1, 0, 0, 1, 0, 0);
+  if (imageView.showsSkeleton) drawLabelMarks(imageCanvas, imageView, state.header.record.hands, state.labels, state);
 }
 
 function tick(): void {
@@ -390,39 +318,9 @@ function showAll(): void {
   announcer.update(`Frame ${state.frame}, ${inWords(state.landmark)}, ${labels?.landmarks[state.landmark]?.state ?? "not labelled"}`, performance.now());
 }
 
-function inWords(landmark: string): string {
-  return landmark.replaceAll("_", " ");
-}
-
-const landmarkButtons = new Map<string, HTMLButtonElement>();
-
-function makeLandmarkButtons(names: string[]): void {
-  for (const name of names) {
-    const item = document.createElement("li");
-    const button = document.createElement("button");
-    button.type = "button";
-    const mark = document.createElement("span");
-    mark.className = "mark";
-    mark.setAttribute("aria-hidden", "true");
-    const caption = document.createElement("span");
-    caption.textContent = inWords(name);
-    button.append(mark, caption);
-    button.addEventListener("click", () => choose(name));
-    item.append(button);
-    element("landmarks").append(item);
-    landmarkButtons.set(name, button);
-  }
-}
-
 function showLandmarks(): void {
   const labels = handLabels();
-  for (const [name, button] of landmarkButtons) {
-    const label = labels?.landmarks[name] ?? null;
-    button.setAttribute("aria-pressed", String(name === state.landmark));
-    button.dataset["state"] = label?.state ?? "none";
-    button.dataset["hidden"] = String(label !== null && !label.visible);
-    button.title = label ? `${inWords(name)}: ${label.state}, ${label.visible ? "visible" : "hidden"}` : `${inWords(name)}: not labelled`;
-  }
+  landmarkList.show(labels, state.landmark);
   const label = labels?.landmarks[state.landmark] ?? null;
   const visible = element<HTMLInputElement>("visible");
   visible.disabled = !label;
@@ -471,26 +369,15 @@ function chooseImage(kind: ImageKind): void {
 
 /** Shows the hand large, or the whole image where there is none. */
 function aimImage(): void {
+  if (!state.header) return;
   const points = Object.values(hand()?.landmarks_px ?? {}).filter((point): point is Point2 => point !== null);
-  imageView.zoom = 1;
-  imageView.centre = null;
-  if (points.length > 2 && state.header) {
-    const [us, vs] = [points.map((point) => point[0]), points.map((point) => point[1])];
-    const [left, right, top, bottom] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
-    imageView.centre = [(left + right) / 2, (top + bottom) / 2];
-    imageView.zoom = Math.min(kMostZoom, Math.max(1, Math.min(state.header.width / (1.35 * (right - left + 8)), state.header.height / (1.35 * (bottom - top + 8)))));
-  }
+  aimAt(imageView, points, state.header);
   state.imageChanged = true;
 }
 
 function zoomImage(factor: number, x: number, y: number): void {
   if (!state.header) return;
-  const before = imageView.placeAt(x, y);
-  imageView.centre ??= [(state.header.width - 1) / 2, (state.header.height - 1) / 2];
-  imageView.zoom = Math.min(kMostZoom, Math.max(1, imageView.zoom * factor));
-  const after = imageView.placeAt(x, y);
-  imageView.centre = [imageView.centre[0] + before[0] - after[0], imageView.centre[1] + before[1] - after[1]];
-  if (imageView.zoom === 1) imageView.centre = null;
+  zoomAt(imageView, factor, x, y, state.header);
   state.imageChanged = true;
 }
 
@@ -545,9 +432,9 @@ function listenToImage(): void {
       }
       // One that is only chosen stays where it is until the pointer moves.
       state.drag = { view: "image", from: at, at, start: null, hasMoved: found === null, pans: null };
-      if (!found) preview(dragged()!);
+      if (!found) changes.preview(dragged()!);
     } else {
-      imageView.centre ??= [(state.header.width - 1) / 2, (state.header.height - 1) / 2];
+      imageView.centre ??= middleOf(state.header);
       state.drag = { view: "image", from: at, at, start: null, hasMoved: false, pans: imageView.centre };
     }
     imageCanvas.setPointerCapture(event.pointerId);
@@ -580,7 +467,7 @@ function listenToDrags(): void {
       drag.at = [event.offsetX, event.offsetY];
       if (drag.pans) return pan();
       if (Math.hypot(drag.at[0] - drag.from[0], drag.at[1] - drag.from[1]) > 2) drag.hasMoved = true;
-      if (drag.hasMoved) preview(dragged()!);
+      if (drag.hasMoved) changes.preview(dragged()!);
     });
     canvas.addEventListener("pointerup", endDrag);
     canvas.addEventListener("pointercancel", () => {
@@ -600,7 +487,7 @@ function pan(): void {
 
 function dropDrag(): void {
   state.drag = null;
-  state.nextPreview = null;
+  changes.dropPreview();
   cloudView?.hold(false);
 }
 
@@ -609,7 +496,7 @@ function endDrag(): void {
   if (!drag) return;
   const wanted = drag.hasMoved && !drag.pans ? dragged() : null;
   dropDrag();
-  if (wanted) change(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
+  if (wanted) changes.add(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
 }
 
 /** Says the distance under the pointer. */
@@ -745,22 +632,9 @@ function shortcuts(): Shortcut[] {
   ];
 }
 
-/** Fine steps of the landmark, unless the points have the focus: there they turn. */
-function listenToFineSteps(areOn: () => boolean): void {
-  const steps: Record<string, Point3> = {
-    ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, -1, 0], ArrowDown: [0, 1, 0], "+": [0, 0, 1], "=": [0, 0, 1], "-": [0, 0, -1],
-    PageUp: [0, 0, 1], PageDown: [0, 0, -1],
-  };
+/** Control and Z, Y: as everywhere. */
+function listenToUndo(): void {
   document.addEventListener("keydown", (event) => {
-    const direction = steps[event.key];
-    const target = event.target as HTMLElement;
-    if (!direction || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || !areOn()) return;
-    if (target === cloudCanvas || target instanceof HTMLInputElement || document.querySelector("dialog[open]")) return;
-    event.preventDefault();
-    const size = event.shiftKey ? kCoarse_px : kFine_px;
-    nudge(direction[0] * size, direction[1] * size, direction[2] * (event.shiftKey ? 5 : 1) * kDepthStep_mm);
-  });
-  document.addEventListener("keydown", (event) => {  // as everywhere
     if (!(event.ctrlKey || event.metaKey) || !["z", "Z", "y"].includes(event.key) || document.querySelector("dialog[open]")) return;
     event.preventDefault();
     stepBack(event.key === "z" && !event.shiftKey ? "undo" : "redo");
@@ -774,7 +648,8 @@ function listenToAllKeys(): void {
   box.addEventListener("change", () => remember(kKey, box.checked ? "on" : "off"));
   const list = shortcuts();
   listenToTurningKeys(cloudCanvas, () => cloudView);
-  listenToFineSteps(() => box.checked);
+  listenToFineSteps(cloudCanvas, () => box.checked, nudge);
+  listenToUndo();
   listenToKeys(list, () => box.checked);
   listShortcuts(element("shortcuts"), [
     ...list,
@@ -792,7 +667,7 @@ async function begin(): Promise<void> {
     const info = await fetchInfo();
     state.info = info;
     state.landmark = info.landmarks[0] ?? "wrist";
-    makeLandmarkButtons(info.landmarks);
+    landmarkList.make(info.landmarks);
     setText(element("source"), info.source);
     setText(element("file"), `${info.file}, by ${info.author}`);
     setText(element("version"), `Knuckle ${info.version}`);
@@ -811,11 +686,11 @@ Object.assign(globalThis, {
     open: (frame: number) => void openFrame(frame),
     header: () => state.header,
     labels: () => state.labels,
-    isQuiet: () => !state.isPosting && !state.isPreviewing && !state.imageChanged && state.header !== null,
+    isQuiet: () => changes.isQuiet && !state.imageChanged && state.header !== null,
     imageAt: (at: Point2) => imageView.canvasAt(at),
     cloudAt: (at: Point3) => cloudView?.canvasAt(at) ?? null,
     landmark: () => state.landmark,
-    answered_ms: () => state.answered_ms,
+    answered_ms: () => changes.answered_ms,
     fit_ms: () => state.fit_ms,
     standings: () => state.standings,
     depth_mm: (column: number, row: number) => (images.depth[row * images.width + column] ?? 0) * (state.header?.depth_unit_mm ?? 0),

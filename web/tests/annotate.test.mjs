@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, afterEach, before, test } from "node:test";
-import { Annotate, correctFarthest, dragTo, errorOf, normals, openFrame, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
+import { Annotate, correctFarthest, dragInPoints, dragTo, errorOf, normals, openFrame, quiet, runProgram, shown, toSpace, truthOf } from "./annotator.mjs";
 import { launch } from "./browser.mjs";
 
 const program = process.env.KNUCKLE_PROGRAM;
@@ -91,6 +91,20 @@ test("corrections with a tremble bring the hand nearer to the truth", { skip }, 
   }
   t.diagnostic(`${before.toFixed(2)} mm before, ${after.toFixed(2)} mm after`);
   assert.ok(after < before, `${before} mm before, ${after} mm after`);
+});
+
+test("a landmark is moved in the points, seen from the side: its depth is corrected", { skip }, async () => {
+  const { address } = await annotate();
+  const page = await pageAt(address);
+  const { camera } = await shown(page);
+  const at = async () => (await shown(page)).hands[0].landmarks_mm.wrist;
+  const before = await at();
+  const goal = toSpace(truth[0][0], camera).map((value, i) => value + (i === 2 ? 25 : 0));
+  await dragInPoints(page, "wrist", "side", goal);
+  const after = await at();
+  assert.ok(Math.abs(after[2] - goal[2]) < 4, `${before} moved to ${after}, meant ${goal}`);
+  assert.ok(Math.abs(after[0] - before[0]) < 8, "what the view does not show stays");
+  assert.deepEqual(page.faults, []);
 });
 
 test("keys: fine steps, visibility, undo and redo without end, verify and go on", { skip }, async () => {

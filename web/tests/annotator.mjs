@@ -93,34 +93,86 @@ export function errorOf({ camera, hands }, truth) {
   return sum / count;
 }
 
-/** Corrects the landmark that lies farthest from where the true one appears, in the image and in the points, with the pointer. Returns its name; null where none that is seen is off. */
-export async function correctFarthest(page, truth, normal, { deviation_mm = 2, least_mm = 4 } = {}) {
+/** Which true landmarks are seen: nothing lies before them but their own flesh. */
+function seenOf(page, truth) {
+  return page.evaluate((joints) => joints.map((joint, i) => {
+    if (!joint) return false;
+    const depth = globalThis.knuckle.depth_mm(Math.round(joint[0]), Math.round(joint[1]));
+    return depth > 0 && joint[2] - depth < (i < 3 ? 45 : 20);
+  }), truth);
+}
+
+/** The view in which something is seen to move farthest: the image, or the points from the side or from above. */
+function bestView([x, y, z]) {
+  const [front, side, top] = [Math.hypot(x, y), Math.hypot(y, z), Math.hypot(x, z)];
+  if (front >= side && front >= top) return "image";
+  return side >= top ? "side" : "top";
+}
+
+/**
+ * Corrects the landmark that lies farthest from where the true one appears, with the pointer. Returns its name; null where none is off.
+ * `turns`: also in the points, turned to where the error is seen best. `guess_mm`: a hidden landmark that lies twice as far off is said to be
+ * hidden and placed by what is known of hands, with this deviation; 0: hidden ones are left.
+ */
+export async function correctFarthest(page, truth, normal, { deviation_mm = 2, least_mm = 4, turns = false, guess_mm = 0 } = {}) {
   const { camera, hands, labels } = await shown(page);
   if (hands.length === 0) return null;
   const names = Object.keys(hands[0].landmarks_px);
-  const seen = await page.evaluate((joints) => joints.map((joint, i) => {
-    if (!joint) return false;
-    const depth = globalThis.knuckle.depth_mm(Math.round(joint[0]), Math.round(joint[1]));
-    return depth > 0 && joint[2] - depth < (i < 3 ? 45 : 20);  // else something lies before it: nobody sees it
-  }), truth);
+  const seen = await seenOf(page, truth);
   let farthest = null;
-  let most = least_mm;
+  let most = 0;
   truth.forEach((joint, i) => {
-    const at = hands[0].landmarks_px[names[i]];
-    if (!joint || !seen[i] || !at || labels[0].landmarks[names[i]]?.state === "corrected") return;
-    const away = distance(hands[0].landmarks_mm[names[i]], toSpace(joint, camera));
-    if (away > most) [farthest, most] = [i, away];
+    const at = hands[0].landmarks_mm[names[i]];
+    const label = labels[0].landmarks[names[i]];
+    const isDone = label?.state === "corrected" && !(turns && seen[i]);
+    if (!joint || !at || isDone || (!seen[i] && guess_mm === 0)) return;
+    const away = distance(at, toSpace(joint, camera));
+    if (away > most && away > (seen[i] ? least_mm : 2 * guess_mm)) [farthest, most] = [i, away];
   });
   if (farthest === null) return null;
-  const joint = truth[farthest];
-  const tremble = () => (normal() * deviation_mm * camera.fx) / joint[2];
-  await dragTo(page, names[farthest], [joint[0] + tremble(), joint[1] + tremble()]);
-  return names[farthest];
+  const name = names[farthest];
+  const tremble_mm = seen[farthest] ? deviation_mm : guess_mm;
+  const goal = toSpace(truth[farthest], camera);
+  const view = turns ? bestView(goal.map((value, i) => value - hands[0].landmarks_mm[name][i])) : "image";
+  if (!seen[farthest] && labels[0].landmarks[name].visible) {
+    await choose(page, name);
+    await page.keyboard.press("h");
+    await quiet(page);
+  }
+  if (view === "image") {
+    const tremble = () => (normal() * tremble_mm * camera.fx) / truth[farthest][2];
+    await dragTo(page, name, [truth[farthest][0] + tremble(), truth[farthest][1] + tremble()]);
+  } else {
+    await dragInPoints(page, name, view, goal.map((value) => value + normal() * tremble_mm));
+  }
+  return name;
+}
+
+function choose(page, name) {
+  return page.locator("#landmarks button", { hasText: new RegExp(`^${name.replaceAll("_", " ")}$`) }).click();
+}
+
+/** Turns the points to the side or to above, and drags a landmark to where a point in space is seen there. */
+export async function dragInPoints(page, name, view, point) {
+  await choose(page, name);
+  await page.keyboard.press("0");
+  await page.keyboard.press(view === "side" ? "2" : "3");
+  await quiet(page);
+  const box = await page.locator("#cloud").boundingBox();
+  const [from, to] = await page.evaluate(([wanted, target]) => {
+    const hand = globalThis.knuckle.header().record.hands.find((one) => one.landmarks_mm[wanted]);
+    return [globalThis.knuckle.cloudAt(hand.landmarks_mm[wanted]), globalThis.knuckle.cloudAt(target)];
+  }, [name, point]);
+  await page.mouse.move(box.x + from[0], box.y + from[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + to[0], box.y + to[1], { steps: 3 });
+  await page.mouse.up();
+  await quiet(page);
 }
 
 /** Chooses a landmark in the list and drags it onto a pixel: in the list, because several may lie on each other. */
 export async function dragTo(page, name, pixel) {
-  await page.locator("#landmarks button", { hasText: new RegExp(`^${name.replaceAll("_", " ")}$`) }).click();
+  await choose(page, name);
   const box = await page.locator("#image").boundingBox();
   const [from, to] = await page.evaluate(([wanted, target]) => {
     const header = globalThis.knuckle.header();

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far labels are from the truth after so many corrections, by the scripted annotator in a real browser; prints a table, no verdict:
-//     node web/tests/measure_annotator.mjs PROGRAM FRAMES MOST_CORRECTIONS [model|raw] [verify]
+//     node web/tests/measure_annotator.mjs PROGRAM FRAMES MOST_CORRECTIONS [raw] [verify] [turns] [guess]
 // `raw` switches the hand model off; with `verify` each frame is verified before the next, so that neighbours follow, and frames are taken as the
-// program proposes them.
+// program proposes them; `turns`: landmarks are also moved in the points, from the side and from above; `guess`: hidden ones are placed, too,
+// with a deviation of 10 mm. bench/labelling.cpp does the same without a browser.
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { Annotate, correctFarthest, errorOf, normals, openFrame, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
 import { launch } from "./browser.mjs";
 
-const [program, frames = "60", most = "4", model = "model", order = ""] = process.argv.slice(2);
+const [program, frames = "60", most = "4", ...words] = process.argv.slice(2);
+const has = (word) => words.includes(word);
+const how = { turns: has("turns"), guess_mm: has("guess") ? 10 : 0 };
 const folder = mkdtempSync(join(tmpdir(), "knuckle-annotator-"));
 const count = Number(frames);
 runProgram(program, ["render", "--manifest", "manifests/test_scenes.toml", "--count", frames, "--format", "folder", "--out", join(folder, "scenes")]);
@@ -23,14 +26,14 @@ try {
   await page.goto(knuckle.address);
   await page.waitForFunction(() => globalThis.knuckle?.header() !== null, null, { timeout: 60_000 });
   await page.waitForFunction(() => !(globalThis.knuckle.standings()?.states ?? "-").includes("-"), null, { timeout: 300_000 });
-  if (model === "raw") await page.keyboard.press("m");
+  if (has("raw")) await page.keyboard.press("m");
   const normal = normals(11);
   const sums = Array.from({ length: Number(most) + 1 }, () => 0);
   const seen = [];
   let corrections = 0;
   for (let done = 0; done < count; ++done) {
     let frame = done;
-    if (order === "verify") {
+    if (has("verify")) {
       frame = await page.evaluate(async (after) => (await (await fetch(`api/next?after=${after}`)).json()).frame, seen.at(-1) ?? 0);
       if (frame === null) break;
     }
@@ -39,7 +42,7 @@ try {
     let error = errorOf(await shown(page), truth[frame]);
     sums[0] += error;
     for (let i = 1; i <= Number(most); ++i) {
-      const corrected = await correctFarthest(page, truth[frame], normal);
+      const corrected = await correctFarthest(page, truth[frame], normal, how);
       if (corrected) {
         ++corrections;
         answered.push(await page.evaluate(() => globalThis.knuckle.answered_ms()));
@@ -48,14 +51,14 @@ try {
       }
       sums[i] += error;
     }
-    if (order === "verify") {
+    if (has("verify")) {
       await page.keyboard.press("v");
       await quiet(page);
-      await page.waitForTimeout(400);  // neighbours follow
+      await page.waitForTimeout(600);  // neighbours follow
     }
   }
   const percentile = (values, share) => values.toSorted((a, b) => a - b)[Math.floor(share * (values.length - 1))]?.toFixed(1);
-  console.log(`${seen.length} frames, ${model}${order === "verify" ? ", proposed and propagated" : ""}: ${(corrections / seen.length).toFixed(2)} corrections per frame`);
+  console.log(`${seen.length} frames${words.map((word) => `, ${word}`).join("")}: ${(corrections / seen.length).toFixed(2)} corrections per frame`);
   sums.forEach((sum, i) => console.log(`  after ${i} corrections: ${(sum / seen.length).toFixed(2)} mm`));
   console.log(`  fit ${percentile(fits, 0.5)} ms, 95th percentile ${percentile(fits, 0.95)} ms; change to answer in the page ${percentile(answered, 0.5)} ms, ${percentile(answered, 0.95)} ms`);
 } finally {

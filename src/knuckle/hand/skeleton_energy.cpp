@@ -34,6 +34,24 @@ GapPenalty of_floating(double gap_mm) {
   return {kFarMm * (gap_mm - 0.5 * kFarMm), kFarMm / gap_mm};
 }
 
+/// How far a landmark is from its target.
+struct Miss {
+  Eigen::Vector3d away = Eigen::Vector3d::Zero();   ///< from the target [mm]
+  Eigen::Vector3d sight = Eigen::Vector3d::Zero();  ///< of length 1
+  double along_mm = 0.0;                            ///< the part of `away` along it
+  double squared = 0.0;                             ///< distance, squared, its depth weighted [mm^2]
+};
+
+Miss miss_of(const LandmarkTarget& target, const Point3& landmark) {
+  Miss miss{.away = landmark - target.point};
+  miss.squared = miss.away.squaredNorm();
+  if (target.depth_weight == 1.0) return miss;
+  miss.sight = target.point.normalized();
+  miss.along_mm = miss.away.dot(miss.sight);
+  miss.squared += (target.depth_weight - 1.0) * miss.along_mm * miss.along_mm;
+  return miss;
+}
+
 double palm_length(const HandSkeleton& skeleton) {
   const auto at = [&](Landmark landmark) {
     return skeleton.landmarks[static_cast<std::size_t>(landmark)].straight_mm;
@@ -148,7 +166,7 @@ double SkeletonEnergy::at(const SkeletonPose& pose) const {
   const Points points = landmarks(skeleton_, pose);
   double energy = prior_of(pose);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_known(targets_[i])) energy += 0.5 * weight(i) * (points[i] - targets_[i].point).squaredNorm();
+    if (is_known(targets_[i])) energy += 0.5 * weight(i) * miss_of(targets_[i], points[i]).squared;
   }
   for_each_contact(points, pose.size, [&](const SurfaceContact&, const GapPenalty& gap, double weight) {
     energy += weight * gap.value;
@@ -164,16 +182,20 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
   result.energy = prior_of(pose);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_known(targets_[i])) continue;
-    const Point3 residual = points[i] - targets_[i].point;
-    result.energy += 0.5 * weight(i) * residual.squaredNorm();
-    for (int axis = 0; axis < 3; ++axis) {
+    const Miss miss = miss_of(targets_[i], points[i]);
+    result.energy += 0.5 * weight(i) * miss.squared;
+    const auto add = [&](const Eigen::Vector3d& direction, double residual, double weight) {
       std::array<double, kSkeletonUnknowns> row;
       for (int k = 0; k < movers[i].count; ++k) {
         const int unknown = movers[i].unknowns[static_cast<std::size_t>(k)];
-        row[static_cast<std::size_t>(k)] = jacobian(3 * static_cast<int>(i) + axis, unknown);
+        row[static_cast<std::size_t>(k)] =
+            direction.dot(jacobian.block<3, 1>(3 * static_cast<int>(i), unknown));
       }
-      add_square(movers[i], row.data(), residual[axis], weight(i), result);
-    }
+      add_square(movers[i], row.data(), residual, weight, result);
+    };
+    for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis), miss.away[axis], weight(i));
+    if (targets_[i].depth_weight != 1.0)
+      add(miss.sight, miss.along_mm, weight(i) * (targets_[i].depth_weight - 1.0));
   }
   std::array<Movers, kFleshCount> movers_of_flesh;
   for (std::size_t i = 0; i < kFleshCount; ++i) {

@@ -88,6 +88,7 @@ TEST(SkeletonEnergy, ItsGradientIsThatOfFiniteDifferences) {
     const Points points = landmarks(adult_skeleton(), pose);
     for (int i = 0; i < kSupersetSize; ++i) {
       targets[i] = {points[i] + 5.0 * random_direction(random), random.uniform(0.0, 1.0)};
+      if (i % 2 == 0) targets[i].depth_weight = 0.1 * i;
     }
     HandSurface surface{skin_of(pose, random, 3)};
     for (Point3& point : surface.points) point += 4.0 * random_direction(random);

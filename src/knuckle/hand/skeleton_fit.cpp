@@ -50,6 +50,7 @@ void check_arguments(const LandmarkTargets& targets, const HandSurface& surface,
   for (const LandmarkTarget& target : targets) {
     if (!(target.weight >= 0.0) || !std::isfinite(target.weight))
       fail("skeleton fit: a landmark's weight is {}, expected a finite number, 0 or more", target.weight);
+    check_not_below_0(target.depth_weight, "depth_weight");
   }
   if (!std::ranges::all_of(surface.points, [](const Point3& point) { return point.allFinite(); }))
     fail("skeleton fit: a point of the surface is not finite");

@@ -29,6 +29,7 @@ std::array<Point3, kSupersetSize> landmarks(const HandSkeleton& skeleton, const 
 struct LandmarkTarget {
   Point3 point = Point3::Constant(kNaN);  ///< in camera coordinates [mm]; NaN where it was not found
   double weight = 1.0;                    ///< [0, inf); the deviation is `noise_mm` / sqrt(weight)
+  double depth_weight = 1.0;  ///< [0, inf); factor on `weight` along the line of sight, from the origin
 };
 /// One per landmark, in the order of Landmark.
 using LandmarkTargets = std::array<LandmarkTarget, kSupersetSize>;

@@ -120,6 +120,25 @@ TEST(SkeletonFit, TakesNoiseOutOfLandmarks) {
   EXPECT_GT(after, 0.3 * before);
 }
 
+TEST(SkeletonFit, TargetsThatAreUnsureInDepthHoldAcrossTheLineOfSight) {
+  const SkeletonPose truth{resting_hand(), RigidTransform(Eigen::Translation3d(0, 0, 600)), 1.0};
+  const Points points = landmarks(adult_skeleton(), truth);
+  LandmarkTargets targets = targets_at(points);
+  for (LandmarkTarget& target : targets) target.point *= 1.05;  // 30 mm too far
+  constexpr std::size_t kTrue = 0;
+  targets[kTrue].point = points[kTrue];
+  const auto depth_of = [&](double depth_weight) {
+    for (std::size_t i = 1; i < targets.size(); ++i) targets[i].depth_weight = depth_weight;
+    return fit_skeleton(adult_skeleton(), targets, {.size_spread = 0.0})
+        ->pose.camera_from_hand.translation()
+        .z();
+  };
+  EXPECT_GT(depth_of(1.0), 612.0) << "21 landmarks against one, the wrist";
+  EXPECT_NEAR(depth_of(0.0), 600.0, 6.0) << "one says how far";
+  targets[kTrue].depth_weight = -1.0;
+  EXPECT_THROW(depth_of(1.0), Error);
+}
+
 TEST(SkeletonFit, LandmarksThatWereNotFoundComeFromTheRest) {
   Random random(6);
   for (int trial = 0; trial < 20; ++trial) {

@@ -2,17 +2,19 @@
 #include "knuckle/label/label_session.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <limits>
 
 #include <fmt/chrono.h>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
 #include "knuckle/data/defined_pose.h"
-#include "knuckle/hand/landmark_definition.h"
+#include "knuckle/label/label_edit.h"
+#include "knuckle/label/label_propagation.h"
+#include "knuckle/label/label_skin.h"
 
 namespace knuckle {
 namespace {
@@ -20,11 +22,8 @@ namespace {
 constexpr std::size_t kKeptFrames = 12;
 constexpr std::size_t kMostToLearnFrom = 15;  // verified hands of a sequence: bones are known by then
 constexpr double kUsualPalmMm = 95.0;
+constexpr int kFollowingReach = 4;        // frames on both sides that surely follow a verified one
 constexpr double kUnknownDoubtMm = 20.0;  // of labels that nothing was fitted to
-
-double palm_of(const std::optional<LabelFit>& fit) {
-  return fit ? kUsualPalmMm * fit->pose.size : kUsualPalmMm;
-}
 
 bool is_labelled(const LabelChange& change) {
   return std::ranges::any_of(change.landmarks,
@@ -41,6 +40,20 @@ std::vector<LandmarkLabel> labels_of(const HandPose& pose) {
   return labels;
 }
 
+/// Whether any landmark lies clearly elsewhere, or is labelled in one of both alone: less is not worth a line
+/// in the file.
+bool has_moved(const std::vector<LandmarkLabel>& before, const std::vector<LandmarkLabel>& after,
+               const Projection& projection) {
+  constexpr double kClearlyMm = 1.0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (before[i].at.is_missing() != after[i].at.is_missing()) return true;
+    if (before[i].at.is_missing()) continue;
+    if ((projection.to_camera(before[i].at) - projection.to_camera(after[i].at)).norm() > kClearlyMm)
+      return true;
+  }
+  return false;
+}
+
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -51,17 +64,10 @@ double doubt_of(const LabelFit& fit) {
   return std::hypot(fit.rms_mm, std::isnan(fit.gap_mm) ? kUnknownDoubtMm : 2.0 * fit.gap_mm);
 }
 
-HandAngles between(const HandAngles& a, const HandAngles& b, double share_of_b) {
-  HandAngles angles;
-  for (std::size_t i = 0; i < kHandAngleCount; ++i)
-    angles.radians[i] = (1.0 - share_of_b) * a.radians[i] + share_of_b * b.radians[i];
-  return angles;
-}
-
 }  // namespace
 
 LabelSession::LabelSession(const FrameSource& source, LabelJournal& journal, LabelSessionOptions options)
-    : source_(source), journal_(journal), options_(std::move(options)) {
+    : source_(source), journal_(journal), options_(std::move(options)), frames_(source, kKeptFrames) {
   for (const auto& [hand, history] : journal_.book().hands()) looked_at_.insert(hand.frame);
   learn_all_bones();
 }
@@ -74,29 +80,15 @@ std::string LabelSession::now() const {
 }
 
 int LabelSession::sequence_of(std::int64_t index) const {
-  return source_.read_label(index).sequence;
+  const auto known = sequences_.find(index);
+  if (known != sequences_.end()) return known->second;
+  return sequences_[index] = source_.read_label(index).sequence;
 }
 
 // --- frames ---
 
-/// Reads without the lock: others go on.
-std::shared_ptr<const Frame> LabelSession::read(std::int64_t index) {
-  if (index < 0 || index >= head().frames)
-    fail("there is no frame {}, only 0 to {}", index, head().frames - 1);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(frames_, index, [](const auto& entry) { return entry.first; });
-    if (found != frames_.end()) return found->second;
-  }
-  auto frame = std::make_shared<const Frame>(source_.read(index));
-  const std::lock_guard lock(mutex_);
-  frames_.emplace_back(index, frame);
-  if (frames_.size() > kKeptFrames) frames_.pop_front();
-  return frame;
-}
-
 LabelledFrame LabelSession::frame(std::int64_t index) {
-  auto frame = read(index);
+  auto frame = frames_.read(index);
   estimate(index, *frame);
   const std::lock_guard lock(mutex_);
   return labelled(index, std::move(frame));
@@ -151,27 +143,7 @@ std::vector<FrameStanding> LabelSession::standings() const {
 }
 
 std::optional<std::int64_t> LabelSession::proposed(std::int64_t after) const {
-  const std::vector<FrameStanding> standings = this->standings();
-  const auto count = static_cast<std::int64_t>(standings.size());
-  const auto is_open = [&](std::int64_t i) {
-    return i >= 0 && i < count && standings[static_cast<std::size_t>(i)].state != LabelState::verified;
-  };
-  std::optional<std::int64_t> best;
-  double most = -1.0;
-  for (std::int64_t step = 1; step <= count; ++step) {
-    const std::int64_t i = (after + step) % count;
-    if (!is_open(i)) continue;
-    double followers = 1.0;
-    for (int away = 1; away <= options_.reach; ++away) {
-      for (const std::int64_t other : {i - away, i + away})
-        followers += is_open(other) ? 1.0 / (1.0 + away) : 0.0;
-    }
-    const double gain = standings[static_cast<std::size_t>(i)].doubt_mm * followers;
-    if (gain <= most) continue;
-    most = gain;
-    best = i;
-  }
-  return best;
+  return proposed_frame(standings(), after, kFollowingReach);
 }
 
 std::vector<double> LabelSession::seconds_of_verified() const {
@@ -217,6 +189,11 @@ LabelFitContext LabelSession::context_of(HandKey hand) const {
   return context;
 }
 
+double LabelSession::palm_mm(HandKey hand) const {
+  const auto kept = fits_.find(hand);
+  return kept == fits_.end() ? kUsualPalmMm : kUsualPalmMm * kept->second.fit.pose.size;
+}
+
 std::optional<LabelFit> LabelSession::fitted(HandKey hand, const std::vector<LandmarkLabel>& labels,
                                              const Frame& frame, const LabelFitContext& context) const {
   return fit_labels(frame, hand.side, head().convention, labels, estimates_of(hand), context, options_.fit);
@@ -252,7 +229,7 @@ void LabelSession::learn_all_bones() {
 LabelAnswer LabelSession::apply(const LabelRequest& request) {
   if (request.kind == LabelRequest::Kind::undo) return step_back(LabelAct::undo);
   if (request.kind == LabelRequest::Kind::redo) return step_back(LabelAct::redo);
-  const auto frame = read(request.hand.frame);
+  const auto frame = frames_.read(request.hand.frame);
   const std::lock_guard lock(mutex_);
   return change_hand(request, frame);
 }
@@ -279,7 +256,7 @@ LabelAnswer LabelSession::change_hand(const LabelRequest& request,
   if (history != nullptr) change.landmarks = history->newest().landmarks;
   if (request.kind == LabelRequest::Kind::look) change.act = LabelAct::look;
   if (request.kind == LabelRequest::Kind::verify) change.act = LabelAct::verify;
-  answer.remark = changed_labels(request, *frame, change.landmarks);
+  answer.remark = edit_labels(request, *frame, head().convention, palm_mm(request.hand), change.landmarks);
   if (!answer.remark.empty()) {
     answer.labelled = labelled(request.hand.frame, frame);
     return answer;
@@ -310,47 +287,6 @@ LabelAnswer LabelSession::change_hand(const LabelRequest& request,
   return answer;
 }
 
-/// Changes the labels as a person asks. Returns why that cannot be, in a sentence; empty where it is done.
-std::string LabelSession::changed_labels(const LabelRequest& request, const Frame& frame,
-                                         std::vector<LandmarkLabel>& labels) const {
-  using Kind = LabelRequest::Kind;
-  if (request.kind == Kind::verify) {
-    const bool is_empty =
-        std::ranges::all_of(labels, [](const auto& label) { return label.at.is_missing(); });
-    if (is_empty) return "There is nothing to verify: no landmark of this hand is labelled.";
-    for (LandmarkLabel& label : labels)
-      label.state = label.at.is_missing() ? label.state : LabelState::verified;
-    return {};
-  }
-  LandmarkLabel& label = labels[request.landmark];
-  if (request.kind == Kind::look) {
-    if (label.at.is_missing()) return "This landmark is not labelled yet: place it first.";
-    label.is_visible = request.is_visible;
-    return {};
-  }
-  if (request.kind == Kind::free) {
-    label.state = LabelState::estimated;
-    return {};
-  }
-  const Landmark landmark = head().convention.landmarks[request.landmark];
-  const auto kept = fits_.find(request.hand);
-  const double palm_mm = kept == fits_.end() ? kUsualPalmMm : palm_of(kept->second.fit);
-  ImagePoint at;
-  if (request.kind == Kind::place) {
-    std::vector<ImagePoint> others(labels.size());
-    std::ranges::transform(labels, others.begin(), &LandmarkLabel::at);
-    at = placed_on_pixel(frame, request.u, request.v, landmark, palm_mm, label.at.depth_mm,
-                         skin_depths(others));
-    if (at.is_missing()) return "No depth was measured there: place it in the points, or beside.";
-  } else {
-    at = Projection(frame.camera).to_image(request.point_mm);
-    if (at.is_missing() || !(at.depth_mm > 0.0)) return "This point lies behind the camera.";
-  }
-  label.at = at;
-  label.state = LabelState::corrected;
-  return {};
-}
-
 /// A landmark that was shown on a pixel stays on it; how deep it lies the hand model says as well, fitted to
 /// all the others. Of a hidden one it alone does: the skin that is seen there is not its own.
 void LabelSession::settle_depth(const LabelRequest& request, const Frame& frame,
@@ -377,7 +313,7 @@ LabelAnswer LabelSession::step_back(LabelAct act) {
     return answer;
   }
   const HandKey hand{change->frame, change->side};
-  const auto frame = read(hand.frame);
+  const auto frame = frames_.read(hand.frame);
   const std::lock_guard lock(mutex_);
   change = act == LabelAct::undo ? journal_.book().undone() : journal_.book().redone();
   if (!change || HandKey{change->frame, change->side} != hand) {
@@ -453,21 +389,24 @@ bool LabelSession::estimate_one() {
     index = next_estimate_++;
   }
   try {
-    estimate(index, *read(index));
+    estimate(index, *frames_.read(index));
   } catch (const Error&) {  // who opens this frame is told
   }
   return true;
 }
 
-/// From the hand outwards, so that each follows from one that has followed.
+/// The nearest first: they follow most surely. On each side as far as the next verified frame.
 void LabelSession::queue_neighbours(HandKey hand) {
-  const int sequence = sequence_of(hand.frame);
-  for (const int direction : {-1, 1}) {
-    for (int away = 1; away <= options_.reach; ++away) {
+  std::array<bool, 2> goes_on{true, true};
+  for (int away = 1; away <= options_.reach; ++away) {
+    for (const int direction : {-1, 1}) {
+      bool& goes = goes_on[direction < 0 ? 0 : 1];
       const HandKey other{hand.frame + direction * away, hand.side};
-      if (other.frame < 0 || other.frame >= head().frames || sequence_of(other.frame) != sequence) break;
+      goes = goes && other.frame >= 0 && other.frame < head().frames;
+      if (!goes) continue;
       const HandHistory* const history = journal_.book().find(other);
-      if (history != nullptr && history->state() >= LabelState::corrected) break;
+      if (history != nullptr && history->state() == LabelState::verified) goes = false;
+      if (history != nullptr && history->state() >= LabelState::corrected) continue;
       std::erase(to_propagate_, other);
       to_propagate_.push_back(other);
     }
@@ -483,7 +422,7 @@ bool LabelSession::propagate_one() {
     to_propagate_.pop_front();
   }
   try {
-    const auto frame = read(hand.frame);
+    const auto frame = frames_.read(hand.frame);
     estimate(hand.frame, *frame);
     const std::lock_guard lock(mutex_);
     propagate(hand, *frame);
@@ -492,61 +431,54 @@ bool LabelSession::propagate_one() {
   return true;
 }
 
-/// What the nearest frames to both sides say of a hand: those that were verified, or follow from such a one.
-std::optional<LabelFitContext> LabelSession::from_neighbours(HandKey hand,
-                                                             std::vector<ImagePoint>& estimates) const {
-  constexpr double kRadPerFrame = 0.15;
-  const KeptFit* nearest[2] = {nullptr, nullptr};
-  int distance[2] = {0, 0};
-  const LabelChange* labels = nullptr;
-  for (int side = 0; side < 2; ++side) {
-    for (int away = 1; away <= options_.reach + 1 && nearest[side] == nullptr; ++away) {
-      const HandKey other{hand.frame + (side == 0 ? -away : away), hand.side};
+/// What machines saw first, before anything followed from neighbours.
+std::vector<ImagePoint> LabelSession::first_estimate_of(HandKey hand) const {
+  std::vector<ImagePoint> points(head().convention.landmarks.size());
+  const HandHistory* const history = journal_.book().find(hand);
+  if (history != nullptr && history->changes.front().act == LabelAct::estimate)
+    std::ranges::transform(history->changes.front().landmarks, points.begin(), &LandmarkLabel::at);
+  return points;
+}
+
+/// The verified hands around one, in the same sequence.
+std::vector<LabelAnchor> LabelSession::anchors_of(HandKey hand) const {
+  std::vector<LabelAnchor> anchors;
+  const int sequence = sequence_of(hand.frame);
+  for (const int direction : {-1, 1}) {
+    for (int away = 1; away <= options_.reach; ++away) {
+      const HandKey other{hand.frame + direction * away, hand.side};
+      if (other.frame < 0 || other.frame >= head().frames || sequence_of(other.frame) != sequence) break;
       const HandHistory* const history = journal_.book().find(other);
+      if (history == nullptr || history->state() != LabelState::verified) continue;
       const auto fit = fits_.find(other);
-      if (history == nullptr || fit == fits_.end() || history->state() == LabelState::estimated) continue;
-      if (sequence_of(other.frame) != sequence_of(hand.frame)) break;
-      nearest[side] = &fit->second;
-      distance[side] = away;
-      if (labels == nullptr || (side == 1 && away < distance[0])) labels = &history->newest();
+      if (fit == fits_.end()) continue;
+      anchors.push_back({.away = away,
+                         .is_before = direction < 0,
+                         .fit = &fit->second.fit,
+                         .labels = &history->newest().landmarks,
+                         .estimates = first_estimate_of(other)});
     }
   }
-  if (labels == nullptr) return std::nullopt;
-  LabelFitContext context = context_of(hand);
-  const KeptFit& near =
-      *(nearest[0] == nullptr || (nearest[1] != nullptr && distance[1] < distance[0]) ? nearest[1]
-                                                                                      : nearest[0]);
-  context.start = near.fit.pose;
-  context.expected = near.fit.pose.angles;
-  double away = nearest[0] == &near ? distance[0] : distance[1];
-  if (nearest[0] != nullptr && nearest[1] != nullptr) {
-    const double share = static_cast<double>(distance[0]) / (distance[0] + distance[1]);
-    context.expected = between(nearest[0]->fit.pose.angles, nearest[1]->fit.pose.angles, share);
-    away *= 0.5;
-  }
-  context.expected_rad = kRadPerFrame * std::sqrt(away);
-  const bool is_unknown = std::ranges::all_of(estimates, &ImagePoint::is_missing);
-  if (is_unknown) std::ranges::transform(labels->landmarks, estimates.begin(), &LandmarkLabel::at);
-  return context;
+  return anchors;
 }
 
 void LabelSession::propagate(HandKey hand, const Frame& frame) {
   const HandHistory* const history = journal_.book().find(hand);
   if (history != nullptr && history->state() >= LabelState::corrected) return;
-  // What was estimated counts, not what followed from neighbours before: that would be counted twice.
-  std::vector<ImagePoint> estimates(head().convention.landmarks.size());
-  if (history != nullptr && history->changes.front().act == LabelAct::estimate)
-    std::ranges::transform(history->changes.front().landmarks, estimates.begin(), &LandmarkLabel::at);
-  const auto context = from_neighbours(hand, estimates);
-  if (!context) return;
+  const std::vector<LabelAnchor> anchors = anchors_of(hand);
+  if (anchors.empty()) return;
+  const std::vector<ImagePoint> estimates =
+      estimates_beside(Projection(frame.camera), first_estimate_of(hand), anchors);
+  const LabelFitContext context = context_beside(context_of(hand), anchors);
   std::vector<LandmarkLabel> labels(estimates.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
     labels[i].at = estimates[i];
     labels[i].is_visible = history == nullptr || history->newest().landmarks[i].is_visible;
   }
-  const auto fit = fit_labels(frame, hand.side, head().convention, labels, estimates, *context, options_.fit);
+  const auto fit = fit_labels(frame, hand.side, head().convention, labels, estimates, context, options_.fit);
   if (!fit) return;
   labels = with_fit(std::move(labels), *fit, LabelState::propagated);
+  if (history != nullptr && !has_moved(history->newest().landmarks, labels, Projection(frame.camera))) return;
   const std::int64_t revision = history == nullptr ? 1 : history->revision() + 1;
   fits_.insert_or_assign(hand, KeptFit{revision, *fit, 0.5 * doubt_of(*fit)});
   commit({.frame = hand.frame,

@@ -14,8 +14,11 @@
 #include <vector>
 
 #include "knuckle/data/frame_source.h"
+#include "knuckle/label/frame_cache.h"
+#include "knuckle/label/frame_standing.h"
 #include "knuckle/label/label_fit.h"
 #include "knuckle/label/label_journal.h"
+#include "knuckle/label/label_propagation.h"
 #include "knuckle/label/label_request.h"
 
 namespace knuckle {
@@ -55,19 +58,13 @@ struct LabelAnswer {
   double fit_ms = 0.0;      ///< that the hand model took
 };
 
-/// How a frame stands, for the film strip.
-struct FrameStanding {
-  std::optional<LabelState> state;  ///< the least of its hands'; nothing: there are no labels
-  double doubt_mm = 0.0;  ///< how far its labels may be off: what the fit says of those not verified
-};
-
 /// What a session is begun with.
 struct LabelSessionOptions {
   std::string author = "someone";      ///< who works in the page
   std::string estimator = "pipeline";  ///< who `estimate` is, for the file
   EstimateHands estimate = nullptr;    ///< nothing: labelling begins from nothing
   LabelFitOptions fit = {};
-  int reach = 4;                     ///< frames to both sides that a verified one pulls, [0, 100]
+  int reach = 20;                    ///< frames to both sides that a verified one pulls, [0, 100]
   std::function<std::string()> now;  ///< the time of day for the file; not set: the clock's
 };
 
@@ -88,14 +85,13 @@ class LabelSession {
   /// where there is no such frame or it cannot be read.
   LabelledFrame frame(std::int64_t index);
   /// The images alone. Throws an Error as `frame` does.
-  std::shared_ptr<const Frame> image(std::int64_t index) { return read(index); }
+  std::shared_ptr<const Frame> image(std::int64_t index) { return frames_.read(index); }
   /// Does what a person asks for. Throws an Error where the frame cannot be read.
   LabelAnswer apply(const LabelRequest& request);
 
   /// One per frame of the source.
   std::vector<FrameStanding> standings() const;
-  /// The frame whose correction would change most: its doubt, times the frames around it that would follow.
-  /// The next in time that is not verified where nothing is known; nothing where all are verified.
+  /// As `proposed_frame` says.
   std::optional<std::int64_t> proposed(std::int64_t after) const;
   /// Hands that were verified, and the seconds that persons worked on them, one per hand.
   std::vector<double> seconds_of_verified() const;
@@ -117,28 +113,27 @@ class LabelSession {
     double doubt_mm = 0.0;
   };
 
-  std::shared_ptr<const Frame> read(std::int64_t index);
   void estimate(std::int64_t index, const Frame& frame);
   std::vector<LabelChange> estimated(std::int64_t index, const Frame& frame) const;
   LabelledFrame labelled(std::int64_t index, std::shared_ptr<const Frame> frame);
   LabelledHand labelled_hand(HandKey hand, const HandHistory& history, const Frame& frame);
   std::vector<ImagePoint> estimates_of(HandKey hand) const;
   LabelFitContext context_of(HandKey hand) const;
+  double palm_mm(HandKey hand) const;
   std::optional<LabelFit> fitted(HandKey hand, const std::vector<LandmarkLabel>& labels, const Frame& frame,
                                  const LabelFitContext& context) const;
   LabelAnswer change_hand(const LabelRequest& request, const std::shared_ptr<const Frame>& frame);
   void settle_depth(const LabelRequest& request, const Frame& frame,
                     std::vector<LandmarkLabel>& labels) const;
   LabelAnswer step_back(LabelAct act);
-  std::string changed_labels(const LabelRequest& request, const Frame& frame,
-                             std::vector<LandmarkLabel>& labels) const;
   void commit(LabelChange change);
   void learn_bones(HandKey hand, const Frame& frame);
   void learn_all_bones();
   void queue_neighbours(HandKey hand);
   bool propagate_one();
   void propagate(HandKey hand, const Frame& frame);
-  std::optional<LabelFitContext> from_neighbours(HandKey hand, std::vector<ImagePoint>& estimates) const;
+  std::vector<ImagePoint> first_estimate_of(HandKey hand) const;
+  std::vector<LabelAnchor> anchors_of(HandKey hand) const;
   bool estimate_one();
   std::string now() const;
   int sequence_of(std::int64_t index) const;
@@ -147,7 +142,8 @@ class LabelSession {
   LabelJournal& journal_;
   LabelSessionOptions options_;
   mutable std::mutex mutex_;
-  std::deque<std::pair<std::int64_t, std::shared_ptr<const Frame>>> frames_;  ///< the last that were read
+  FrameCache frames_;
+  mutable std::map<std::int64_t, int> sequences_;  ///< of frames that were asked for: sources may be slow
   std::map<HandKey, KeptFit> fits_;
   std::map<std::pair<int, HandSide>, PersonBones> bones_;  ///< one per sequence and side
   std::set<std::int64_t> looked_at_;                       ///< frames that were estimated, also in vain

@@ -184,7 +184,58 @@ TEST_F(LabelSessionTest, AVerifiedFramePullsItsNeighboursAndNotThoseThatAPersonT
   }
   EXPECT_EQ(session.frame(6).hands[0].state, LabelState::corrected);
   EXPECT_EQ(session.frame(6).hands[0].revision, 2) << "left as the person left it";
-  EXPECT_EQ(session.frame(7).hands[0].state, LabelState::estimated) << "beyond it";
+  EXPECT_EQ(session.frame(7).hands[0].state, LabelState::propagated) << "beyond it, too";
+}
+
+/// A hand that closes, cut in two.
+class TwoSequences final : public FrameSource {
+ public:
+  std::int64_t size() const override { return kFrames; }
+  Frame read(std::int64_t index) const override {
+    Frame frame = hand_.read(index);
+    frame.sequence = sequence_of(index);
+    return frame;
+  }
+  FrameLabel read_label(std::int64_t index) const override {
+    FrameLabel label = hand_.read_label(index);
+    label.sequence = sequence_of(index);
+    return label;
+  }
+  std::optional<Convention> convention() const override { return std::nullopt; }
+
+ private:
+  static int sequence_of(std::int64_t index) { return index < 5 ? 0 : 1; }
+  ClosingHand hand_{kFrames};
+};
+
+TEST_F(LabelSessionTest, AVerifiedFramePullsNoneOfAnotherSequence) {
+  const TwoSequences source;
+  LabelSession session(source, journal_, options());
+  while (session.work()) {
+  }
+  std::int64_t revision = 1;
+  for (int i = 0; i < kSupersetSize; ++i) session.apply(to_truth(4, revision++, static_cast<Landmark>(i)));
+  session.apply(request(Kind::verify, 4, revision));
+  while (session.work()) {
+  }
+  EXPECT_EQ(session.frame(3).hands[0].state, LabelState::propagated);
+  EXPECT_EQ(session.frame(5).hands[0].state, LabelState::estimated);
+}
+
+TEST_F(LabelSessionTest, WhatHardlyMovesIsNotWrittenAgain) {
+  LabelSession session(source_, journal_, options());
+  while (session.work()) {
+  }
+  session.apply(request(Kind::verify, 4, 1));
+  while (session.work()) {
+  }
+  const auto lines = journal_.book().find({3})->revision();
+  session.apply(request(Kind::undo, 0, 0));
+  session.apply(request(Kind::redo, 0, 0));
+  session.apply(request(Kind::verify, 4, 4));
+  while (session.work()) {
+  }
+  EXPECT_EQ(journal_.book().find({3})->revision(), lines);
 }
 
 TEST_F(LabelSessionTest, TheNextFrameIsTheMostDoubtfulOneThatIsNotVerified) {

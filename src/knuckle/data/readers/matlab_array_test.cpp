@@ -159,6 +159,8 @@ TEST_F(MatlabArrayTest, FindsItsArrayAmongOthersThatMatioWrote) {
     EXPECT_TRUE(std::equal(first.begin(), first.end(), values.begin()));
     const std::vector<double> rest = values_of(array, values.size() - 7);
     EXPECT_TRUE(std::equal(rest.begin(), rest.end(), values.begin() + 7));
+    testing::cut_file(path, fs::file_size(path) - 100);
+    EXPECT_THAT(error_of([&] { MatlabArray(path, "abc"); }), HasSubstr("cut short")) << "in another array";
   }
 }
 
