@@ -113,6 +113,7 @@ struct McapTestForm {
   std::string magic = "\x89MCAP0\r\n";
   std::string encoding = "cdr";
   std::uint64_t more_chunk_bytes = 0;   ///< that a chunk says it has
+  std::uint64_t more_packed_bytes = 0;  ///< the same of its packed ones
   std::uint64_t more_messages = 0;      ///< that the statistics say a channel has
   std::uint64_t offset_of_offsets = 0;  ///< by which the index is wrong
   int index_of_channel = 0;             ///< that an index names in place of the right one
@@ -144,7 +145,7 @@ class McapTestWriter : private McapTestForm {
     body_ += mcap_record(6, little(std::uint64_t{0}) + little(std::uint64_t{9}) +
                                 little(static_cast<std::uint64_t>(part_.size()) + more_chunk_bytes) +
                                 little(sum) + with_length(compression) +
-                                little(static_cast<std::uint64_t>(bytes.size())) + bytes);
+                                little(static_cast<std::uint64_t>(bytes.size()) + more_packed_bytes) + bytes);
     for (const auto& [channel, entries] : entries_) {
       std::string all;
       for (const std::string& entry : entries) all += entry;
@@ -480,6 +481,13 @@ TEST_F(McapTest, AChunkThatSaysMoreThanItHoldsIsRefused) {
       EXPECT_THAT(fault(filled({.compression = compression, .more_chunk_bytes = more})),
                   HasSubstr("expected at most 268435456"));
     }
+  }
+}
+
+TEST_F(McapTest, AChunkThatRunsOverItsRecordIsRefused) {
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    EXPECT_THAT(fault(filled({.compression = compression, .more_packed_bytes = 1})),
+                AllOf(HasSubstr("a.mcap"), HasSubstr("the file is damaged: a chunk has")));
   }
 }
 
