@@ -114,7 +114,7 @@ def run(arguments, folder):
             command += [f"--{name}", str(value)]
     if arguments.record:
         command += ["--record", arguments.record]
-    program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    program = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     log = []
     while not (log and log[-1].startswith("view: ")):
         line = program.stderr.readline()
@@ -134,11 +134,13 @@ def run(arguments, folder):
     if arguments.page:
         page = subprocess.Popen(["node", PAGE, address], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     start = time.monotonic()
+    log_of_end = program.stdout.read()
     program.wait()
     seconds = time.monotonic() - start
     if guests:
         guests.ends = True
     rest.join(10)
+    log.append(log_of_end)
     shown = json.loads(page.communicate("")[0]) if page else None
     return program.returncode, [json.loads(line) for line in records.open()], watch, clients, guests, shown, seconds, log
 

@@ -138,6 +138,7 @@ class GlooWorkers final : public JoinedWorkers {
     const std::optional<std::string> verdict = place_.rank == 0 ? verdict_of(own) : verdict_heard();
     if (place_.rank == 0) say("verdict", *verdict);
     linger();
+    if (place_.rank == 1 && verdict && !is_notes_lost_) wait_for_leaving(2);  // it removes the notes
     return verdict;
   }
 
@@ -168,7 +169,7 @@ class GlooWorkers final : public JoinedWorkers {
     const Stopwatch watch;
     while (!have_all_come(said)) {
       end_if_interrupted();
-      if (const auto fault = fault_of_started()) fail("--workers: {} before it had begun", *fault);
+      if (const auto fault = fault_of_process()) fail("--workers: {} before it had begun", *fault);
       if (watch.seconds() > options_.wait_s) fail_for_absent(said);
       std::this_thread::sleep_for(kLook);
     }
@@ -225,10 +226,10 @@ class GlooWorkers final : public JoinedWorkers {
     }
   }
 
-  bool is_over() { return watch_->has_seen_fault() || fault_of_started().has_value(); }
+  bool is_over() { return watch_->has_seen_fault() || fault_of_process().has_value(); }
 
-  std::optional<std::string> fault_of_started() const {
-    return options_.fault_of_started ? options_.fault_of_started() : std::nullopt;
+  std::optional<std::string> fault_of_process() const {
+    return options_.fault_of_process ? options_.fault_of_process() : std::nullopt;
   }
 
   void end_if_over() {
@@ -278,7 +279,7 @@ class GlooWorkers final : public JoinedWorkers {
         const auto fault = heard(fault_of(k));
         if (fault && !fault->empty()) return fmt::format("worker {} of {}: {}", k, place_.size, *fault);
       }
-      if (const auto fault = fault_of_started()) {
+      if (const auto fault = fault_of_process()) {
         if (fault->find("signal") != std::string::npos) return *fault;
       }
       std::this_thread::sleep_for(kLook);
@@ -288,7 +289,7 @@ class GlooWorkers final : public JoinedWorkers {
       return fmt::format("worker {} of {} was lost: its process ended, or its connection was cut",
                          fmt::join(silent, ", "), place_.size);
     }
-    return fault_of_started().value_or(
+    return fault_of_process().value_or(
         fmt::format("the connection between two workers was cut: {}", reasons()));
   }
 
@@ -311,7 +312,9 @@ class GlooWorkers final : public JoinedWorkers {
   std::optional<std::string> verdict_heard() {
     const Stopwatch watch;
     while (watch.seconds() < 2 * kTimeToTell && !is_notes_lost_) {
+      const bool is_worker_0_gone = fault_of_process().has_value();  // before: it may speak, then end
       if (heard("verdict")) return std::nullopt;
+      if (is_worker_0_gone) break;
       std::this_thread::sleep_for(kLook);
     }
     return fmt::format("worker 0 of {} was lost: its process ended, or its connection was cut", place_.size);
@@ -321,9 +324,12 @@ class GlooWorkers final : public JoinedWorkers {
   void linger() {
     watch_.reset();
     say(left(place_.rank), "");
-    if (place_.rank != 0 || place_.is_on_one_machine()) return;
+    if (place_.rank == 0 && !place_.is_on_one_machine()) wait_for_leaving(1);
+  }
+
+  void wait_for_leaving(int first) {
     const Stopwatch watch;
-    for (int k = 1; k < place_.size; ++k) {
+    for (int k = first; k < place_.size; ++k) {
       while (watch.seconds() < kTimeToTell && !heard(left(k))) std::this_thread::sleep_for(kLook);
     }
   }

@@ -24,8 +24,9 @@ struct JoinOptions {
   WorkerPlace place;
   double wait_s = 300.0;  ///< How long a worker that does not come or answer is waited for [s]
   std::vector<WorkerTrait> traits;
-  /// Says whether a worker that this one has started has ended, and how; may be empty.
-  std::function<std::optional<std::string>()> fault_of_started;
+  /// Says whether the process of a worker that this one has started, or that has started this one, has
+  /// ended, and how; may be empty.
+  std::function<std::optional<std::string>()> fault_of_process;
   /// Called once the place is found where workers meet; may be empty.
   std::function<void()> has_met;
 };

@@ -13,6 +13,9 @@
 namespace knuckle {
 namespace {
 
+/// How long LibTorch looks for a file of notes that is gone, and holds its caller up.
+constexpr auto kTimeToOpen = std::chrono::seconds(2);
+
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * seconds));
 }
@@ -34,7 +37,9 @@ std::chrono::milliseconds milliseconds(double seconds) {
 
 c10::intrusive_ptr<c10d::Store> open_store(const WorkerPlace& place, double wait_s) {
   if (place.is_on_one_machine()) {
-    return c10::make_intrusive<c10d::FileStore>((place.folder / "notes").string(), place.size);
+    auto notes = c10::make_intrusive<c10d::FileStore>((place.folder / "notes").string(), place.size);
+    notes->setTimeout(kTimeToOpen);
+    return notes;
   }
   c10d::TCPStoreOptions options;
   options.port = place.port;

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
@@ -107,6 +108,14 @@ void work_joined(JoinOptions join, const std::string& advice, const std::functio
   workers->ended_well();
 }
 
+/// Whether worker 0, whose child this process is, has ended: a connection that it leaves open says nothing.
+std::function<std::optional<std::string>()> fault_of_parent(int workers) {
+  return [workers, parent = ::getppid()]() -> std::optional<std::string> {
+    if (::getppid() == parent) return std::nullopt;
+    return fmt::format("worker 0 of {} was lost: its process ended", workers);
+  };
+}
+
 }  // namespace
 
 void work_together(const TogetherOptions& options, const std::function<void(WorkerGroup*)>& work) {
@@ -126,7 +135,9 @@ void work_together(const TogetherOptions& options, const std::function<void(Work
     if (join.place.rank == 0) {
       started = std::make_unique<LocalWorkers>(options.command_line, options.workers);
       join.place.folder = started->folder();
-      join.fault_of_started = [&started] { return started->fault(); };
+      join.fault_of_process = [&started] { return started->fault(); };
+    } else {
+      join.fault_of_process = fault_of_parent(options.workers);
     }
   }
   work_joined(join, options.advice, work);

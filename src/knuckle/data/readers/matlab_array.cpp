@@ -85,7 +85,7 @@ MatlabArray::MatlabArray(const std::filesystem::path& path, std::string_view nam
 
 void MatlabArray::require_version_5() const {
   constexpr std::uint64_t kVersionPlace = 124;
-  const std::array<std::uint8_t, 4> kVersion5{0x00, 0x01, 'I', 'M'};  // 0x0100, little-endian
+  static constexpr std::array<std::uint8_t, 4> kVersion5{0x00, 0x01, 'I', 'M'};  // 0x0100, little-endian
   if (file_.size() < kHeaderBytes || !std::ranges::equal(file_.read(kVersionPlace, 4), kVersion5)) {
     fail("{}: expected a little-endian Matlab file of version 5 (save it with -v7 or -v6)",
          file_.path().string());

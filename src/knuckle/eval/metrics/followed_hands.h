@@ -43,8 +43,8 @@ struct FollowedScore {
   double mean_3d_mm = kNaN;       ///< over the found ones and their landmarks; NaN where there is none
 };
 
-inline constexpr double kLeastVisible = 0.3;
-inline constexpr double kFoundMm = 60.0;  ///< between the means of the landmarks that both know
+inline constexpr double kLeastVisible = 0.3;  ///< part of a hand's pixels, [0, 1]
+inline constexpr double kFoundMm = 60.0;      ///< between the means of the landmarks that both know
 
 /// Scores records, one per frame of `truth`. Hands and estimates are matched nearest first. A hand is
 /// followed through its sequence by its side and place in the list. Landmarks are compared by their names.

@@ -2,10 +2,10 @@
 #include "knuckle/synth/scene/second_hand.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "knuckle/core/portable_math.h"
 #include "knuckle/hand/hand_collision.h"
 #include "knuckle/synth/scene/sampling.h"
 
@@ -113,7 +113,7 @@ bool collides(const SecondHand& second, const FirstHand& first) {
 }  // namespace
 
 Eigen::Vector3d HandPath::shift(double phase) const {
-  return middle + std::cos(2.0 * std::numbers::pi * phase) * reach;
+  return middle + portable_cos(2.0 * std::numbers::pi * phase) * reach;
 }
 
 SecondHand SecondHand::at(double phase) const {
