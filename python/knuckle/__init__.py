@@ -20,15 +20,15 @@ import os as _os
 import numpy as _numpy  # noqa: F401 - says itself where it is missing
 
 from ._knuckle import (Camera, Error, Estimate, Estimator, Frame, Hand, HandSkeleton, Patch, Pipeline, SkeletonFit, Stream, Tracker,
-                       __version__, conventions, data_file, open_stream)
+                       TrueHand, __version__, conventions, data_file, open_stream)
 from . import _knuckle
 from ._source import Source, open_source
 
 __all__ = ["Camera", "Error", "Estimate", "Estimator", "Frame", "Hand", "HandSkeleton", "Patch", "Pipeline", "SkeletonFit", "Source", "Stream",
-           "Tracker", "conventions", "data_file", "evaluate", "open_source", "open_stream", "render"]
+           "Tracker", "TrueHand", "conventions", "data_file", "evaluate", "open_source", "open_stream", "render"]
 
 for _class in (Camera, Estimate, Estimator, Frame, Hand, HandSkeleton, Patch, Pipeline, SkeletonFit, Source, Stream,
-               Tracker):
+               Tracker, TrueHand):
     _class.__module__ = __name__  # users know no other name of it, and pickles name it so
 del _class
 

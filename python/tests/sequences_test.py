@@ -63,6 +63,23 @@ class Sequences(unittest.TestCase):
         palm = frame.depth_mm[tuple(np.rint(frame.truth_px[1, ::-1]).astype(int))]
         self.assertLess(abs(palm - frame.truth_mm[1, 2]), 40)
 
+    def test_all_hands_of_a_frame_are_told_of(self):
+        frame = knuckle.render(DEMO.with_name("test_two_hands.toml"), 0)
+        first, second = frame.hands
+        self.assertEqual((first.side, second.side), ("right", "left"))
+        np.testing.assert_array_equal(first.truth_mm, frame.truth_mm)
+        np.testing.assert_array_equal(first.truth_px, frame.truth_px)
+        self.assertEqual((second.truth_mm.shape, second.truth_px.shape, second.convention), ((22, 3), (22, 2), "knuckle22"))
+        self.assertEqual((frame.labels.shape, frame.labels.dtype), (frame.depth_mm.shape, np.uint8))
+        np.testing.assert_array_equal(frame.labels == 1, frame.mask == 1)
+        for hand, label in ((first, 1), (second, 2)):
+            self.assertTrue(0 < hand.visible_share <= 1)
+            seen = [tuple(np.rint(at[::-1]).astype(int)) for at, over in zip(hand.truth_px, hand.occluders) if over == "none"]
+            self.assertGreater(len(seen), 5)
+            self.assertGreater(sum(frame.labels[at] == label for at in seen), 0.8 * len(seen))
+        self.assertLessEqual(set(first.occluders), {"none", "own_hand", "other_hand", "person", "object", "border"})
+        self.assertEqual(repr(second), f"<knuckle.TrueHand left, {100 * second.visible_share:.0f} % of it visible>")
+
     def test_names_of_files_need_not_be_utf_8(self):
         with tempfile.TemporaryDirectory() as folder:
             made = pathlib.Path(folder) / "set"

@@ -162,7 +162,7 @@ FrameEstimate Pipeline::estimate(const Frame& frame) const {
 FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const {
   if (!finder_.hand().is_left()) return estimate_right(frame, search);
   FrameEstimate result =
-      estimate_right(mirrored(frame), {mirrored(search.start), search.elsewhere, search.max_hands});
+      estimate_right(mirrored(frame), {mirrored(search.start), search.elsewhere, search.max_hands, {}});
   for (HandEstimate& hand : result.hands) hand = mirrored_back(std::move(hand), frame.camera.width);
   return result;
 }
@@ -174,11 +174,11 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
     Segmentation found =
         timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, 1); });
     result.status = std::move(found.reason);
-    add_hands(frame, std::move(found.hands), result);
-    if (!result.hands.empty()) look_at_start(frame, *search.start, result.hands.front(), result.times);
+    add_hands(frame, std::move(found.hands), search.side, result);
+    if (!result.hands.empty()) look_at_start(frame, search, result.hands.front(), result.times);
   }
   const std::size_t at_start = result.hands.size();
-  if (search.elsewhere.value_or(!search.start)) look_elsewhere(frame, search.max_hands, result);
+  if (search.elsewhere.value_or(!search.start)) look_elsewhere(frame, search, result);
   double surest = 0.0;
   for (const HandEstimate& hand : result.hands) surest = std::max(surest, hand.score);
   result.hands.erase(std::remove_if(result.hands.begin() + static_cast<std::ptrdiff_t>(at_start),
@@ -201,28 +201,30 @@ bool Pipeline::is_sure(const HandEstimate& hand) const {
   return hand.score >= finder_.hand().sure_confidence;
 }
 
-void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const {
+void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
+                         FrameEstimate& result) const {
   for (HandRegion& region : regions) {
-    if (auto hand = hand_in(frame, std::move(region), result.times)) result.hands.push_back(*std::move(hand));
+    if (auto hand = hand_in(frame, std::move(region), side, result.times))
+      result.hands.push_back(*std::move(hand));
   }
 }
 
 /// Segmentation may leave the start for something larger beside it, an arm. Where the pose there is not sure,
 /// the start itself is looked at, and the surer pose is kept.
-void Pipeline::look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand,
+void Pipeline::look_at_start(const Frame& frame, const Search& search, HandEstimate& hand,
                              StageTimes& times) const {
   const PatchOptions& patches = estimator_->patches().options();
   if (is_sure(hand) || !patches.is_cube()) return;
-  HandRegion region = region_in_cube(frame, start, patches.cube_mm);
+  HandRegion region = region_in_cube(frame, *search.start, patches.cube_mm);
   region.side = hand.region.side;
-  auto other = hand_in(frame, std::move(region), times);
+  auto other = hand_in(frame, std::move(region), search.side, times);
   if (other && other->score > hand.score) hand = *std::move(other);
 }
 
-void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const {
+void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEstimate& result) const {
   std::vector<Point3> tried;
   for (const HandEstimate& hand : result.hands) tried.push_back(hand.region.centre);
-  for (const int places : {max_hands, finder_.hand().candidates}) {
+  for (const int places : {search.max_hands, finder_.hand().candidates}) {
     Segmentation found =
         timed(result.times.segment_ms, [&] { return finder_.find_right(frame, std::nullopt, places); });
     if (result.hands.empty()) result.status = std::move(found.reason);
@@ -230,9 +232,9 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
     std::erase_if(found.hands,
                   [&](const HandRegion& region) { return is_near_one_of(tried, region.centre); });
     for (const HandRegion& region : found.hands) tried.push_back(region.centre);
-    add_hands(frame, std::move(found.hands), result);
+    add_hands(frame, std::move(found.hands), search.side, result);
     const auto sure = std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand); });
-    if (are_all || sure >= max_hands || places >= finder_.hand().candidates) break;
+    if (are_all || sure >= search.max_hands || places >= finder_.hand().candidates) break;
   }
 }
 
@@ -240,8 +242,9 @@ void Pipeline::look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& 
 /// Segmentation guesses the side. Unless the estimator is sure of the guess, it is shown the other side as
 /// well, and what it says of both sides and how sure it is of both poses decide.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
-                                              StageTimes& times) const {
+                                              std::optional<HandSide> side, StageTimes& times) const {
   if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), times);
+  if (side) return hand_of_side(frame, std::move(region), *side, times);
   const HandSide guess = region.side.value_or(HandSide::right);
   auto hand = hand_of_side(frame, region, guess, times);
   if (!hand || hand->side_confidence.value_or(0.0) >= kSureOfSide) return hand;

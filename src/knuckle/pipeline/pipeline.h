@@ -61,6 +61,8 @@ struct Search {
       std::nullopt;  ///< where to look for the hand, in camera coordinates [mm]; it is trusted
   std::optional<bool> elsewhere = std::nullopt;  ///< in other places too? unset: only where no start is given
   int max_hands = 1;                             ///< [1, 16]
+  /// Which hand it is known to be; unset: as is seen. Only where the pipeline's `side` is auto.
+  std::optional<HandSide> side = std::nullopt;
 };
 
 /// What a pipeline is put together from: stages that come with Knuckle, or your own (docs/extending.md).
@@ -124,10 +126,12 @@ class Pipeline {
   static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
-  void add_hands(const Frame& frame, std::vector<HandRegion> regions, FrameEstimate& result) const;
-  void look_at_start(const Frame& frame, const Point3& start, HandEstimate& hand, StageTimes& times) const;
-  void look_elsewhere(const Frame& frame, int max_hands, FrameEstimate& result) const;
-  std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
+  void add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
+                 FrameEstimate& result) const;
+  void look_at_start(const Frame& frame, const Search& search, HandEstimate& hand, StageTimes& times) const;
+  void look_elsewhere(const Frame& frame, const Search& search, FrameEstimate& result) const;
+  std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, std::optional<HandSide> side,
+                                      StageTimes& times) const;
   std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
   std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
                                            StageTimes& times) const;

@@ -179,6 +179,18 @@ TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
   EXPECT_EQ(side(0.97, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
 }
 
+TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
+  for (const HandSide known : {HandSide::right, HandSide::left}) {
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(HandSide::right), {.side = "auto"}),
+                        std::make_unique<SideEstimator>(0.97)};
+    const FrameEstimate result =
+        Pipeline(std::move(parts)).estimate(plate(), {.max_hands = 1, .side = known});
+    ASSERT_EQ(result.hands.size(), 1u);
+    EXPECT_EQ(result.hands[0].side, known);
+    EXPECT_NEAR(result.hands[0].pose.joints[0].u, known == HandSide::left ? 13.0 : 4.0, 1e-9);
+  }
+}
+
 TEST(PipelineFromParts, AnEstimatorThatDoubtsTheSideIsShownTheOtherOne) {
   for (const auto told :
        {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {

@@ -12,6 +12,7 @@
 #include "knuckle/hand/adult_skeleton.h"
 #include "knuckle/refine/skeleton_pose.h"
 #include "knuckle/refine/surface_near.h"
+#include "knuckle/track/hands_apart.h"
 #include "knuckle/track/one_euro_filter.h"
 #include "knuckle/track/pose_smoother.h"
 
@@ -22,10 +23,13 @@ constexpr double kDefaultStepSeconds = 1.0 / 30.0;
 constexpr double kLongestStepSeconds = 1.0;     // after a longer pause a hand may be anywhere
 constexpr double kFastestMmPerSecond = 4000.0;  // hands hardly move faster
 constexpr double kVelocityCutoffHz = 5.0;
-constexpr double kReachMm = 150.0;      // of what was predicted: what is farther away is another thing
-constexpr double kLostReachMm = 300.0;  // of where a hand was lost for a moment
-constexpr double kSameHandMm = 40.0;    // no two hands' middles are nearer
-constexpr double kPoorFitMm = 10.0;     // a fit from the last pose that is worse is compared with a fresh one
+constexpr double kReachMm = 150.0;         // of what was predicted: what is farther away is another thing
+constexpr double kLostReachMm = 300.0;     // of where a hand was lost for a moment
+constexpr double kSameHandMm = 40.0;       // no two hands' middles are nearer
+constexpr double kNeighbourMm = 250.0;     // a hand that is nearer is in the other one's patch
+constexpr double kNeighbourSeconds = 0.1;  // one that was lost for longer is not taken away
+constexpr double kSkinReachMm = 15.0;      // what is seen of a hand is no farther from its fitted skin
+constexpr double kPoorFitMm = 10.0;  // a fit from the last pose that is worse is compared with a fresh one
 constexpr double kFingerRadPerSecond = 5.0;  // deviation of an angle's speed
 constexpr int kMostSideVotes = 10;
 constexpr int kMostTrust = 4;  // searches of all of a frame that found a hand where one is followed
@@ -65,6 +69,11 @@ Point3 middle_of(const SupersetPoints& points) {
   Point3 sum = Point3::Zero();
   for (const Point3& point : points) sum += point;
   return sum / static_cast<double>(points.size());
+}
+
+/// In the camera; not finite where no joint is known.
+Point3 middle_of(const HandEstimate& hand, const Frame& frame) {
+  return Projection(frame.camera).to_camera(mean_joint(hand.pose));
 }
 
 /// Lets one thread in at a time.
@@ -119,6 +128,10 @@ struct Tracker::Track {
     person = {};
   }
   void move_to(const SkeletonPose& next, double now_s);
+  /// Where it was, moved by its velocity.
+  Eigen::Vector3d shift_until(double now_s) const { return velocity * (now_s - seen_s); }
+  HandSkin skin_at(double now_s) const;
+  HandSkin forearm() const;
 
   int id;
   double begun_s;
@@ -149,6 +162,23 @@ void Tracker::Track::move_to(const SkeletonPose& next, double now_s) {
   middle = next_middle;
   pose = next;
   seen_s = now_s;
+}
+
+/// In the camera; empty where it was never fitted.
+HandSkin Tracker::Track::skin_at(double now_s) const {
+  if (!pose) return {};
+  auto points = landmarks(adult_skeleton(), *pose);
+  for (Point3& point : points) point = in_mirror(point, side()) + shift_until(now_s);
+  return hand_capsules(points);
+}
+
+/// About where the forearm begins: it goes on behind the wrist, where that is not bent.
+HandSkin Tracker::Track::forearm() const {
+  const auto points = landmarks(adult_skeleton(), *pose);
+  const Point3 wrist = in_mirror(points[static_cast<int>(Landmark::wrist)], side());
+  const Point3 middle_mcp = in_mirror(points[static_cast<int>(Landmark::middle_mcp)], side());
+  const Eigen::Vector3d palm = middle_mcp - wrist;
+  return {{wrist, wrist - 2.0 * palm, 0.4 * palm.norm(), HandCapsule::kPalmCapsule, 0}};
 }
 
 Tracker::Tracker(const Pipeline& pipeline, const TrackerOptions& options)
@@ -192,15 +222,33 @@ void Tracker::step_to(const Frame& frame) {
 
 void Tracker::follow(const Frame& frame) {
   for (Track& track : tracks_) {
-    const Point3 predicted = track.middle + track.velocity * (*now_s_ - track.seen_s);
+    const Point3 predicted = track.middle + track.shift_until(*now_s_);
     if (!(predicted.z() > 0.0)) continue;
-    const FrameEstimate found =
-        pipeline_.estimate(frame, {.start = predicted, .elsewhere = false, .max_hands = 1});
+    const std::vector<HandSkin> neighbours = skins_near(predicted, &track);
+    std::optional<Frame> alone;
+    if (!neighbours.empty()) alone = without_hands(frame, neighbours, track.skin_at(*now_s_), kSkinReachMm);
+    const Frame& seen = alone ? *alone : frame;
+    Search search{.start = predicted, .elsewhere = false, .max_hands = 1};
+    FrameEstimate found = pipeline_.estimate(seen, search);
+    if (!found.hands.empty() && !agree_on_side(track, found.hands.front().side)) {
+      search.side = track.side();
+      found = pipeline_.estimate(seen, search);
+    }
     if (found.hands.empty() || !found.status.empty()) continue;
     const HandEstimate& hand = found.hands.front();
-    const Point3 middle = Projection(frame.camera).to_camera(mean_joint(hand.pose));
-    if ((middle - predicted).norm() <= kReachMm) take(frame, hand, track);
+    if ((middle_of(hand, frame) - predicted).norm() <= kReachMm) take(seen, hand, track);
   }
+}
+
+/// Of the hands that are followed around `place`, but for `own`.
+std::vector<HandSkin> Tracker::skins_near(const Point3& place, const Track* own) const {
+  std::vector<HandSkin> skins;
+  for (const Track& track : tracks_) {
+    if (&track == own || *now_s_ - track.seen_s > kNeighbourSeconds) continue;
+    if ((track.middle + track.shift_until(*now_s_) - place).norm() < kNeighbourMm)
+      skins.push_back(track.skin_at(*now_s_));
+  }
+  return skins;
 }
 
 std::ptrdiff_t Tracker::seen_count() const {
@@ -219,11 +267,9 @@ void Tracker::look_for_more(const Frame& frame) {
   if (!is_search_due()) return;
   searched_s_ = now_s_;
   std::vector<HandEstimate> others;
-  const int most = pipeline_.hand().max_hands;
-  for (HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = most}).hands) {
-    const Point3 middle = Projection(frame.camera).to_camera(mean_joint(hand.pose));
-    if (!middle.allFinite()) continue;
-    if (Track* const track = seen_near(middle)) {
+  for (HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = pipeline_.hand().max_hands}).hands) {
+    if (!middle_of(hand, frame).allFinite()) continue;
+    if (Track* const track = seen_near(middle_of(hand, frame))) {
       track->is_found_again = true;
     } else {
       others.push_back(std::move(hand));
@@ -233,16 +279,42 @@ void Tracker::look_for_more(const Frame& frame) {
     if (std::exchange(track.is_found_again, false)) track.trust = std::min(track.trust + 1, kMostTrust);
   }
   for (const HandEstimate& hand : others) take_up(frame, hand);
+  if (others.empty() && seen_count() < std::ssize(tracks_)) look_beside_hands(frame);
+}
+
+/// A hand close to one that is followed is often taken for a part of it. One that was lost there is looked
+/// for without that one; a new one is not: an arm without its hand looks too much like one.
+void Tracker::look_beside_hands(const Frame& frame) {
+  const int missing = pipeline_.hand().max_hands - static_cast<int>(seen_count());
+  std::vector<HandSkin> skins;
+  for (const Track& track : tracks_) {
+    if (track.is_seen_at(*now_s_)) skins.push_back(track.skin_at(*now_s_));
+  }
+  if (missing <= 0 || skins.empty()) return;
+  const Frame rest = without_hands(frame, skins, {}, kSkinReachMm);
+  for (const HandEstimate& hand : pipeline_.estimate(rest, {.max_hands = missing}).hands) {
+    const Point3 middle = middle_of(hand, frame);
+    if (!middle.allFinite() || seen_near(middle) != nullptr || is_on_forearm(middle)) continue;
+    const Track* const lost = lost_near(middle);
+    if (lost != nullptr && (lost->middle - middle).norm() <= kReachMm) take_up(rest, hand);
+  }
+}
+
+/// Of a hand that is seen in this frame.
+bool Tracker::is_on_forearm(const Point3& place) const {
+  return std::ranges::any_of(tracks_, [&](const Track& track) {
+    return track.is_seen_at(*now_s_) && distance_to_skin_mm(place, track.forearm()) < 0.0;
+  });
 }
 
 /// Follows what was found where no hand is followed: a hand that was lost for a moment, or a new one, where
 /// there is room for it. Where there is none, the hand that is trusted least loses trust, and its place once
 /// it has none left.
 void Tracker::take_up(const Frame& frame, const HandEstimate& hand) {
-  Track* const lost = lost_near(Projection(frame.camera).to_camera(mean_joint(hand.pose)));
-  if (lost != nullptr && take(frame, hand, *lost)) return;
+  Track* const lost = lost_near(middle_of(hand, frame));
+  if (lost != nullptr && agree_on_side(*lost, hand.side) && take(frame, hand, *lost)) return;
   Track track(next_id_, *now_s_, options_);
-  if (!take(frame, hand, track)) return;
+  if (!agree_on_side(track, hand.side) || !take(frame, hand, track)) return;
   if (seen_count() < pipeline_.hand().max_hands) {
     tracks_.push_back(std::move(track));
   } else {
@@ -281,14 +353,19 @@ Tracker::Track* Tracker::seen_near(const Point3& middle) {
   return found == tracks_.end() ? nullptr : &*found;
 }
 
-/// Moves a track on to an estimate. False where that says nothing of the hand: too few landmarks, the other
-/// side than most estimates before, or a hand that is not plausible.
-bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& track) const {
+/// Counts an estimate's side. False where most estimates before saw the other one.
+bool Tracker::agree_on_side(Track& track, HandSide side) const {
   const HandSide before = track.side();
-  const int vote = estimate.side == HandSide::right ? 1 : -1;
-  track.side_votes = std::clamp(track.side_votes + vote, -kMostSideVotes, kMostSideVotes);
-  if (estimate.side != track.side()) return false;
-  if (before != track.side()) track.begin_anew(*now_s_);  // it was the other hand all the time
+  track.side_votes =
+      std::clamp(track.side_votes + (side == HandSide::right ? 1 : -1), -kMostSideVotes, kMostSideVotes);
+  if (side != track.side()) return false;
+  if (before != side) track.begin_anew(*now_s_);  // it was the other hand all the time
+  return true;
+}
+
+/// Moves a track on to an estimate of its side. False where that says nothing of the hand: too few
+/// landmarks, or a hand that is not plausible.
+bool Tracker::take(const Frame& frame, const HandEstimate& estimate, Track& track) const {
   const LandmarkTargets targets = right_targets(estimate, frame.camera);
   Person person = track.person;
   const std::optional<SkeletonFit> fit = fit_of(targets, right_surface(frame, estimate), track, person);

@@ -11,6 +11,7 @@
 #include "knuckle/hand/skeleton_fit.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/pipeline/tracker_options.h"
+#include "knuckle/track/hands_apart.h"
 
 namespace knuckle {
 
@@ -63,7 +64,11 @@ class Tracker {
   void follow(const Frame& frame);
   bool is_search_due() const;
   void look_for_more(const Frame& frame);
+  void look_beside_hands(const Frame& frame);
+  bool is_on_forearm(const Point3& place) const;
+  std::vector<HandSkin> skins_near(const Point3& place, const Track* own) const;
   void take_up(const Frame& frame, const HandEstimate& hand);
+  bool agree_on_side(Track& track, HandSide side) const;
   bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
   std::optional<SkeletonFit> fit_of(const LandmarkTargets& targets, const HandSurface& surface,
                                     const Track& track, Person& person) const;

@@ -41,6 +41,8 @@ struct World {
   double size = 1.0;
   int searches = 0;  // of all of a frame
   std::function<void()> while_searching = [] {};
+  std::function<bool(const Frame&, const std::optional<Point3>&, const TrueHand&)> is_found =
+      [](const Frame&, const std::optional<Point3>&, const TrueHand&) { return true; };
   Random random{5};
 };
 
@@ -48,7 +50,7 @@ struct World {
 class TrueSegmenter final : public Segmenter {
  public:
   explicit TrueSegmenter(World& world) : world_(world) {}
-  Segmentation segment(const Frame&, const std::optional<Point3>& start, int max_hands) const override {
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
     Segmentation found;
     world_.searches += start ? 0 : 1;
     world_.while_searching();
@@ -57,6 +59,7 @@ class TrueSegmenter final : public Segmenter {
     if (start) std::ranges::stable_sort(hands, {}, distance);
     for (const TrueHand& hand : hands) {
       if (start && (hand.middle - *start).norm() > 120.0) continue;
+      if (!world_.is_found(frame, start, hand)) continue;
       if (std::ssize(found.hands) == max_hands) break;
       HandRegion region;
       region.box = {0, 0, 1, 1};
@@ -122,6 +125,12 @@ class TrackerTest : public ::testing::Test {
     std::ranges::fill(frame.depth_mm.pixels(), static_cast<float>(kDepthMm));
     frame.time_s = time_s;
     return frame;
+  }
+  /// Whether the frame still shows what is at a hand's middle: it does not, once the hand is taken away.
+  static bool shows(const Frame& frame, const TrueHand& hand) {
+    const ImagePoint at = Projection(frame.camera).to_image(hand.middle);
+    return is_measured(
+        frame.depth_mm(static_cast<int>(std::round(at.u)), static_cast<int>(std::round(at.v))));
   }
   static Point3 middle_of(const TrackedHand& hand) {
     return Projection(symmetric_camera()).to_camera(mean_joint(hand.pose));
@@ -323,6 +332,84 @@ TEST_F(TrackerTest, AHandThatTurnsOutToBeTheOtherOneBeginsAfresh) {
   EXPECT_LT((found.camera_from_hand.matrix() - expected.camera_from_hand.matrix()).norm(), 1e-6)
       << "nothing of the mirrored hand is left";
   EXPECT_EQ(found.angles, expected.angles);
+}
+
+TEST_F(TrackerTest, AHandWhoseSideIsMistakenForAMomentIsStillSeen) {
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {});
+  world_.hands = {{{100, 0, kDepthMm}, HandSide::left}};
+  for (int i = 0; i < 12; ++i) {
+    world_.hands[0].side = i % 4 == 3 ? HandSide::right : HandSide::left;
+    const std::vector<TrackedHand> hands = tracker.update(frame_at(i / 30.0));
+    ASSERT_EQ(hands.size(), 1u) << i;
+    EXPECT_EQ(hands[0].id, 1);
+    EXPECT_EQ(hands[0].side, HandSide::left);
+    EXPECT_LT((middle_of(hands[0]) - world_.hands[0].middle).norm(), 10.0) << i;
+  }
+}
+
+TEST_F(TrackerTest, OfHandsCloseByEachIsLookedForWithoutTheOther) {
+  const Pipeline two = pipeline(2);
+  for (const double apart : {150.0, 400.0}) {
+    Tracker tracker(two, {});
+    world_.hands = {{{-0.5 * apart, 0, kDepthMm}}, {{0.5 * apart, 0, kDepthMm}}};
+    int looks = 0;
+    for (int i = 0; i < 4; ++i) {
+      world_.is_found = [&](const Frame& frame, const std::optional<Point3>& start, const TrueHand& hand) {
+        if (!start) return true;
+        const TrueHand& other = world_.hands[hand.middle.x() < 0.0 ? 1 : 0];
+        EXPECT_TRUE(shows(frame, hand)) << i;
+        EXPECT_EQ(shows(frame, other), apart > 300.0) << i;
+        ++looks;
+        return true;
+      };
+      ASSERT_EQ(tracker.update(frame_at(i / 30.0)).size(), 2u) << i;
+    }
+    EXPECT_EQ(looks, 6) << "of both hands, in all frames but the first";
+  }
+}
+
+TEST_F(TrackerTest, ALostHandIsFoundAgainBesideOneThatHidesItFromSearches) {
+  const Pipeline two = pipeline(2);
+  for (const bool is_lost_nearby : {true, false}) {
+    Tracker tracker(two, {.lost_after_s = 1.0});
+    world_ = {};
+    world_.hands = {{{-150, 0, kDepthMm}}, {{is_lost_nearby ? 150.0 : 320.0, 0, kDepthMm}}};
+    ASSERT_EQ(tracker.update(frame_at(0.0)).size(), 2u);
+    world_.hands[1].middle.x() = 20.0;  // farther than it is looked for from where it was
+    world_.is_found = [&](const Frame& frame, const std::optional<Point3>&, const TrueHand& hand) {
+      return shows(frame, hand) && (hand.middle.x() < 0.0 || !shows(frame, world_.hands[0]));
+    };
+    const std::vector<TrackedHand> hands = tracker.update(frame_at(0.03));
+    ASSERT_EQ(hands.size(), is_lost_nearby ? 2u : 1u) << "what is too far away is no lost hand";
+    EXPECT_EQ(hands.back().id, is_lost_nearby ? 2 : 1);
+  }
+}
+
+TEST_F(TrackerTest, TheForearmOfTheHandBesideIsNoLostHand) {
+  const auto points = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
+  Point3 mean = Point3::Zero();
+  for (const Point3& point : points) mean += point / static_cast<double>(points.size());
+  const Eigen::Vector3d palm =
+      points[static_cast<int>(Landmark::middle_mcp)] - points[static_cast<int>(Landmark::wrist)];
+  const Eigen::Vector3d aside = 0.8 * palm.cross(Eigen::Vector3d::UnitZ());
+  const Pipeline two = pipeline(2);
+  Tracker tracker(two, {.lost_after_s = 1.0});
+  const TrueHand first{{0, 0, kDepthMm}};
+  const Point3 forearm = first.middle + points[static_cast<int>(Landmark::wrist)] - mean - palm;
+  ASSERT_NEAR(palm.z(), 0.0, 20.0) << "nearly in the plane that the frame shows";
+  world_.hands = {first, {forearm + 1.5 * aside}};
+  ASSERT_EQ(tracker.update(frame_at(0.0)).size(), 2u);
+  for (const bool is_forearm : {true, false}) {
+    world_.hands[1].middle = forearm;
+    if (!is_forearm) world_.hands[1].middle += aside;
+    world_.hands[1].middle.z() = kDepthMm;
+    world_.is_found = [&](const Frame& frame, const std::optional<Point3>& start, const TrueHand& hand) {
+      const bool is_first = hand.middle == first.middle;
+      return shows(frame, hand) && (is_first || (!start && !shows(frame, first)));
+    };
+    EXPECT_EQ(tracker.update(frame_at(is_forearm ? 0.03 : 0.06)).size(), is_forearm ? 1u : 2u);
+  }
 }
 
 TEST_F(TrackerTest, OfTwoTracksOfOneHandTheOlderOneStays) {
