@@ -9,6 +9,7 @@ import { Capsules } from "./capsules.ts";
 import type { DepthRange } from "./depth_range.ts";
 import { handColours, kPaletteSize, rgbOf } from "./palette.ts";
 import { kPointFragmentShader, kPointVertexShader } from "./point_shader.ts";
+import { PointBudget } from "./point_budget.ts";
 import type { Camera, FrameHeader, FrameImages, Point2, Point3 } from "./protocol.ts";
 import { confidenceOf, opacityOf, sizeOf } from "./skeleton.ts";
 
@@ -26,6 +27,7 @@ const kViewpoints: Record<Viewpoint, [number, number]> = {
 const Sees = { nothing: 0, scene: 1, hand: 2 } as const;
 
 const kFieldOfView_deg = 40;
+const kPoints = 1_000_000;
 const kPointsInSoftware = 80_000;  // a processor draws some two million points in a second
 const kBackground = 0x11161c;
 
@@ -54,7 +56,7 @@ export class CloudView {
   #depth = depthTexture(1, 1, new Uint16Array(1));
   #bones = new Capsules({ around: 8, rings: 2 }, { transparent: true }, 0.35);
   #flesh = new Capsules({ around: 16, rings: 4 }, { colorWrite: false });
-  #mostPoints: number;
+  #budget: PointBudget;
   #size = new Vector2();
   #aimedAt: number = Sees.nothing;
   #wasMoved = false;
@@ -63,7 +65,7 @@ export class CloudView {
   constructor(canvas: HTMLCanvasElement, palette: Uint8Array, changed: () => void) {
     this.#canvas = canvas;
     const isSlow = isDrawnInSoftware();
-    this.#mostPoints = isSlow ? kPointsInSoftware : Infinity;
+    this.#budget = new PointBudget(isSlow ? kPointsInSoftware : kPoints);
     this.#renderer = new WebGLRenderer({ canvas, antialias: !isSlow, powerPreference: "high-performance" });
     this.#renderer.autoClear = false;
     this.#renderer.setClearColor(kBackground);
@@ -97,6 +99,13 @@ export class CloudView {
   /** Forgets where the view was aimed: the next frame is aimed at anew. */
   forget(): void {
     this.#aimedAt = Sees.nothing;
+  }
+
+  /** To be called before each of the browser's pictures; true where it is to be drawn again, with more or fewer points. */
+  tick(now_ms: number): boolean {
+    if (!this.#budget.tick(now_ms)) return false;
+    this.#setStride(this.#depth.image.width, this.#depth.image.height);
+    return true;
   }
 
   draw(range: DepthRange): void {
@@ -214,7 +223,7 @@ export class CloudView {
 
   /** Draws every pixel, or every second, third, ... column and row where all would be too many. */
   #setStride(width: number, height: number): void {
-    const stride = Math.max(1, Math.ceil(Math.sqrt((width * height) / this.#mostPoints)));
+    const stride = Math.max(1, Math.ceil(Math.sqrt((width * height) / this.#budget.points)));
     this.#points.material.uniforms["stride"]!.value = stride;
     this.#points.geometry.setDrawRange(0, Math.ceil(width / stride) * Math.ceil(height / stride));
   }

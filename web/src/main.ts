@@ -147,6 +147,7 @@ let nextChart_ms = 0;
 
 function tick(): void {
   const now = performance.now();
+  if (cloudView?.tick(now)) state.cloudChanged = true;
   if (state.newest) {
     show(state.newest);
     state.newest = null;

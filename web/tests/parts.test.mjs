@@ -21,6 +21,7 @@ const { DepthRange, roundTicks } = await load("depth_range");
 const { depthPalette, handColours, srgbOfOklch } = await load("palette");
 const { History } = await load("history");
 const { Rate, Samples } = await load("chart");
+const { PointBudget } = await load("point_budget");
 const { FrameImages, readFrame, readInfo, readRecording } = await load("protocol");
 
 const bufferOf = (bytes) => bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
@@ -123,4 +124,30 @@ test("a rate is that of the last two seconds, and forgets another stream's count
   for (let i = 0; i < 5000; ++i) samples.add(i, i);
   assert.equal(samples.percentile(0.5, 4000), 4500);
   assert.equal(samples.percentile(0.5, 6000), null);
+});
+
+test("points become fewer where pictures come too slowly, and more where there is time", () => {
+  let now_ms = 5000;
+  const after = (budget, seconds, perSecond) => {
+    for (let i = 0; i < seconds * perSecond; ++i) budget.tick(now_ms += 1000 / perSecond);
+    return budget.points;
+  };
+  const budget = new PointBudget(80_000);
+  assert.equal(after(budget, 5, 60), 80_000, "never more than at the start");
+  assert.equal(after(budget, 5, 30), 80_000, "fast enough");
+  assert.equal(after(budget, 1.2, 10), 40_000);
+  assert.equal(after(budget, 20, 10), 8_000, "never fewer");
+  assert.equal(after(budget, 20, 30), 8_000, "not more at once: with more it would be too slow");
+  assert.equal(after(budget, 1.2, 60), 16_000);
+  assert.equal(after(budget, 10, 60), 80_000);
+  now_ms += 3_600_000;  // the page was in the background
+  assert.equal(after(budget, 0.9, 60), 80_000);
+  for (let i = 0; i < 10; ++i) assert.equal(budget.tick(now_ms += 2000), false, "one picture in two seconds is no picture at all");
+});
+
+test("a changed budget is said once", () => {
+  const budget = new PointBudget(80_000);
+  let changes = 0;
+  for (let i = 0; i < 24; ++i) changes += budget.tick(100 * i) ? 1 : 0;
+  assert.deepEqual([changes, budget.points], [2, 20_000]);
 });

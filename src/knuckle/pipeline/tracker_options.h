@@ -13,7 +13,7 @@ struct TrackerOptions {
   double strength =
       1.0;  ///< of the smoothing, [0.01, 100]: divides cutoffs, multiplies noises; 0.5 is weak, 2 strong
   double search_every_s =
-      0.5;                    ///< how often more hands are looked for while some are followed, [0, 3600] [s]
+      0.1;                    ///< how often more hands are looked for while some are followed, [0, 3600] [s]
   double lost_after_s = 0.1;  ///< a hand that was not seen for longer is forgotten, [0, 3600] [s]
   double learn_s = 1.0;       ///< for so long a person's size is learned, then kept, [0, 3600] [s]
 

@@ -141,7 +141,7 @@ class TrackerTest : public ::testing::Test {
 
 TEST_F(TrackerTest, AHandThatMovesKeepsItsIdAndIsFoundWithoutASearch) {
   const Pipeline one = pipeline(1);
-  Tracker tracker(one, {.smoothing = "none"});
+  Tracker tracker(one, {.smoothing = "none", .search_every_s = 0.5});
   world_.hands = {{}};
   for (int i = 0; i < 40; ++i) {
     world_.hands[0].middle.x() = -150.0 + 7.5 * i;
