@@ -28,6 +28,7 @@ class ThreadWorkers {
     int rank() const override { return rank_; }
     int size() const override { return static_cast<int>(group_.sent_.size()); }
     double seconds_in_exchange() const override { return 0.0; }
+    std::int64_t bytes_sent() const override { return 0; }
 
     std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
       const auto own = static_cast<std::size_t>(rank_);

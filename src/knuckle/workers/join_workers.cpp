@@ -110,6 +110,7 @@ class GlooWorkers final : public JoinedWorkers {
   int rank() const override { return place_.rank; }
   int size() const override { return place_.size; }
   double seconds_in_exchange() const override { return seconds_in_exchange_; }
+  std::int64_t bytes_sent() const override { return bytes_sent_; }
   bool has_seen_fault() const override { return watch_ && watch_->has_seen_fault(); }
 
   std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
@@ -127,6 +128,9 @@ class GlooWorkers final : public JoinedWorkers {
       throw WorkersFault(reason_);
     }
     seconds_in_exchange_ += watch.seconds();
+    for (int k = 0; k < place_.size; ++k) {
+      if (k != place_.rank) bytes_sent_ += pending->sent.sizes[static_cast<std::size_t>(k)];
+    }
     return std::move(pending->received);
   }
 
@@ -343,6 +347,7 @@ class GlooWorkers final : public JoinedWorkers {
   bool is_broken_ = false;
   bool is_notes_lost_ = false;
   double seconds_in_exchange_ = 0.0;
+  std::int64_t bytes_sent_ = 0;
 };
 
 }  // namespace
