@@ -80,9 +80,9 @@ void train(const ForestArguments& arguments, const SegmentationForestTrainingCon
 
 template <class Config>
 ForestTraining prepared(const ForestArguments& arguments) {
-  const auto config = Config::load(arguments.config);
-  return {config.resolved_options,
-          [arguments, config](WorkerGroup* workers) { train(arguments, config, workers); }};
+  const auto config = std::make_shared<const Config>(Config::load(arguments.config));
+  return {config->resolved_options,
+          [arguments, config](WorkerGroup* workers) { train(arguments, *config, workers); }};
 }
 
 /// Adds `train NAME`, all of whose kinds are told the same.
