@@ -116,6 +116,7 @@ class GlooWorkers final : public JoinedWorkers {
   std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
     end_if_over();
     const Stopwatch watch;
+    bytes_sent_ += std::ssize(sent.bytes) - sent.sizes[static_cast<std::size_t>(place_.rank)];
     auto pending = std::make_unique<Pending>(std::move(sent), sizes);
     try {
       wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_sizes,
@@ -128,9 +129,6 @@ class GlooWorkers final : public JoinedWorkers {
       throw WorkersFault(reason_);
     }
     seconds_in_exchange_ += watch.seconds();
-    for (int k = 0; k < place_.size; ++k) {
-      if (k != place_.rank) bytes_sent_ += pending->sent.sizes[static_cast<std::size_t>(k)];
-    }
     return std::move(pending->received);
   }
 
