@@ -143,7 +143,7 @@ def full_disk(place):
         command = place.forest(kind, "f.model", 2, trees=60, splits=20)
         limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    restore_signals=False,  # a write beyond the limit fails, as on a full disk
-                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000)))
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))
         failed_with(limited, "f.model")
         place.assert_all_end()
 

@@ -32,13 +32,19 @@ std::vector<std::int64_t> announced_sizes(WorkerGroup& workers, const std::vecto
 }  // namespace
 
 ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent) {
+  std::vector<std::int64_t> lengths;
+  for (const std::vector<std::byte>& message : sent) lengths.push_back(std::ssize(message));
+  const std::vector<std::int64_t> sizes = announced_sizes(workers, lengths);
+  return exchanged(workers, std::move(sent), sizes);
+}
+
+ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent, const std::vector<std::int64_t>& sizes) {
   Messages messages;
   std::size_t length = 0;
   for (const std::vector<std::byte>& message : sent) {
     messages.sizes.push_back(std::ssize(message));
     length += message.size();
   }
-  const std::vector<std::int64_t> sizes = announced_sizes(workers, messages.sizes);
   messages.bytes.reserve(length);
   for (std::vector<std::byte>& message : sent) {
     messages.bytes.insert(messages.bytes.end(), message.begin(), message.end());

@@ -26,6 +26,9 @@ struct ReceivedMessages {
 /// are told first. Throws an Error where a worker announces more than 2^40 bytes.
 ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent);
 
+/// The same where it is known how many bytes each worker sends to this one.
+ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent, const std::vector<std::int64_t>& sizes);
+
 /// Appends a value's bytes.
 template <class T>
 void append_value(std::vector<std::byte>& message, const T& value) {

@@ -126,6 +126,7 @@ class SharedTreeGrower {
   void start(const OwnSamples& samples, std::uint64_t seed);
   Batch next_batch(std::size_t first) const;
   void split_batch(const Batch& batch, std::uint64_t seed, Log& log);
+  bool has_shared_nodes(const Batch& batch) const;
   std::vector<std::byte> sent_samples(const Batch& batch, int worker, std::uint64_t seed) const;
   std::vector<std::uint32_t> scored_of_own(std::size_t node, Random& random) const;
   std::vector<Job> jobs_of(const Batch& batch, const ReceivedMessages& received) const;
@@ -248,9 +249,14 @@ auto SharedTreeGrower<Features, Statistics>::next_batch(std::size_t first) const
 /// Adds the splits of a batch to the log.
 template <SharedFeatures Features, SharedStatistics Statistics>
 void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std::uint64_t seed, Log& log) {
-  OwnMessages sent;
-  for (int worker = 0; worker < workers_.size(); ++worker) sent.push_back(sent_samples(batch, worker, seed));
-  const ReceivedMessages received = exchanged(workers_, std::move(sent));
+  ReceivedMessages received;
+  if (has_shared_nodes(batch)) {
+    OwnMessages sent;
+    for (int worker = 0; worker < workers_.size(); ++worker) {
+      sent.push_back(sent_samples(batch, worker, seed));
+    }
+    received = exchanged(workers_, std::move(sent));
+  }
   const std::vector<Job> jobs = jobs_of(batch, received);
   std::vector<Split> splits(batch.end - batch.first);
   search_nodes(
@@ -260,6 +266,15 @@ void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std
       });
   share_splits(batch, jobs, splits);
   log.insert(log.end(), splits.begin(), splits.end());
+}
+
+/// Whether samples of other workers are needed.
+template <SharedFeatures Features, SharedStatistics Statistics>
+bool SharedTreeGrower<Features, Statistics>::has_shared_nodes(const Batch& batch) const {
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (tree_.shares[node].holder == NodeShare::kSeveral && batch.searcher_of(node) != kNobody) return true;
+  }
+  return false;
 }
 
 /// Which of this worker's samples of a node score its candidates.
@@ -382,8 +397,12 @@ void SharedTreeGrower<Features, Statistics>::share_splits(const Batch& batch, co
                                                           std::vector<Split>& splits) const {
   std::vector<std::byte> own;
   for (const Job& job : jobs) append_value(own, splits[job.node - batch.first]);
+  std::vector<std::int64_t> sizes(static_cast<std::size_t>(workers_.size()));
+  for (const int searcher : batch.searcher) {
+    if (searcher != kNobody) sizes[static_cast<std::size_t>(searcher)] += std::int64_t{sizeof(Split)};
+  }
   const ReceivedMessages received =
-      exchanged(workers_, OwnMessages(static_cast<std::size_t>(workers_.size()), own));
+      exchanged(workers_, OwnMessages(static_cast<std::size_t>(workers_.size()), own), sizes);
   std::vector<MessageReader> readers(received.parts.begin(), received.parts.end());
   for (std::size_t node = batch.first; node < batch.end; ++node) {
     const int searcher = batch.searcher_of(node);

@@ -36,6 +36,9 @@ struct SummedPart {
   std::int64_t holder = NodeShare::kSeveral;
 };
 
+constexpr std::int64_t kNumberBytes = sizeof(std::uint32_t);
+constexpr std::int64_t kSumBytes = sizeof(SummedPart);
+
 SummedPart summed(std::span<const std::uint32_t> parts) {
   SummedPart sum;
   int holders = 0;
@@ -99,6 +102,7 @@ int worker_of_place(std::span<const std::int64_t> cuts, std::int64_t place) {
 }
 
 std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::uint32_t> own) {
+  if (own.empty()) return {};
   const int count = workers.size();
   const std::int64_t nodes = std::ssize(own);
   OwnMessages numbers(static_cast<std::size_t>(count));
@@ -107,11 +111,14 @@ std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::
     append_values(numbers[static_cast<std::size_t>(worker)],
                   own.subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())));
   }
-  const ReceivedMessages received = exchanged(workers, std::move(numbers));
+  const std::int64_t own_nodes = part_of_worker(nodes, workers.rank(), count).size();
+  const ReceivedMessages received =
+      exchanged(workers, std::move(numbers),
+                std::vector<std::int64_t>(static_cast<std::size_t>(count), own_nodes * kNumberBytes));
   std::vector<MessageReader> readers(received.parts.begin(), received.parts.end());
   OwnMessages sums(static_cast<std::size_t>(count));
   std::vector<std::uint32_t> parts(static_cast<std::size_t>(count));
-  for (std::int64_t i = 0; i < part_of_worker(nodes, workers.rank(), count).size(); ++i) {
+  for (std::int64_t i = 0; i < own_nodes; ++i) {
     for (std::size_t k = 0; k < parts.size(); ++k) parts[k] = readers[k].value<std::uint32_t>();
     SummedPart sum = summed(parts);
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -119,7 +126,11 @@ std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::
       sum.before += parts[k];
     }
   }
-  const ReceivedMessages heard = exchanged(workers, std::move(sums));
+  std::vector<std::int64_t> sizes;
+  for (int worker = 0; worker < count; ++worker) {
+    sizes.push_back(part_of_worker(nodes, worker, count).size() * kSumBytes);
+  }
+  const ReceivedMessages heard = exchanged(workers, std::move(sums), sizes);
   std::vector<NodeShare> shares;
   MessageReader reader(heard.bytes);  // parts of the nodes lie in the order of the workers
   for (std::int64_t i = 0; i < nodes; ++i) {
