@@ -57,6 +57,7 @@ class ClassStatistics {
   /// The class of one sample, and statistics of samples that came from other workers.
   static std::size_t target_length() { return 1; }
   void read_target(std::uint32_t sample, std::int16_t* target) const { *target = labels_[sample]; }
+  /// Classes that came from other workers.
   struct Received {
     std::vector<std::uint8_t> labels;
     ClassStatistics statistics() const { return ClassStatistics(labels); }

@@ -179,8 +179,9 @@ std::optional<PixelForest> train_pixel_forest(WorkerGroup& workers, PixelSamples
                                               const TrainingRun& run) {
   check(options);
   const std::vector<std::uint32_t> images = images_in_order(workers, samples, first_number);
-  const auto [own, words] = arranged(samples, images, hashes_of_images(samples));
-  const std::string fingerprint = fingerprint_of(options, chained_hash(workers, words));
+  const ArrangedPart part = arranged(samples, images, hashes_of_images(samples));
+  const ArrangedSamples& own = part.samples;
+  const std::string fingerprint = fingerprint_of(options, chained_hash(workers, part.words));
   OwnSamples order{.samples = std::vector<std::uint32_t>(own.samples.size()),
                    .count = sum_of_workers(workers, std::ssize(own.samples))};
   std::iota(order.samples.begin(), order.samples.end(), 0U);

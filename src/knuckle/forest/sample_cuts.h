@@ -19,7 +19,7 @@ class SampleCuts {
   SampleCuts() = default;
   /// `begin`: where the workers' parts begin at first. `total`: samples of the tree.
   SampleCuts(std::span<const std::int64_t> begin, std::int64_t total)
-      : places_(begin.begin(), begin.end()), cuts_(begin.size()), total_(total) {
+      : places_(begin.begin(), begin.end()), cuts_(begin.size()) {
     places_.push_back(total);
     const int workers = static_cast<int>(begin.size());
     smallest_shared_ = std::min(kSmallNode, total / (kPartsPerWorker * workers));
@@ -73,7 +73,6 @@ class SampleCuts {
 
   std::vector<std::int64_t> places_;
   std::vector<Cut> cuts_;
-  std::int64_t total_ = 0;
   std::int64_t smallest_shared_ = 0;
 };
 

@@ -24,7 +24,7 @@ concept SampleStore = requires(T store, const T& full, std::uint32_t slot, std::
 };
 
 /// Bytes that a worker sends in one go: both messages are held in memory while samples move.
-inline constexpr std::int64_t kMoveBytes = std::int64_t{16} << 20;
+inline constexpr std::int64_t kMoveBytes = std::int64_t{8} << 20;
 
 /// Moves samples to the workers whose parts hold their places. `slots` are those of this worker that take
 /// part, `places` theirs among those of all workers (each place is held by one), `cuts` where the workers'

@@ -78,7 +78,7 @@ class SharedTreeGrower {
   /// Splits are searched in batches of about this many scored samples per worker, of which about so much is
   /// sent to each.
   static constexpr std::int64_t kSamplesPerBatch = 1 << 18;
-  static constexpr std::int64_t kBytesPerBatch = std::int64_t{16} << 20;
+  static constexpr std::int64_t kBytesPerBatch = std::int64_t{8} << 20;
   /// Nobody: the node is too small to be split.
   static constexpr int kNobody = -1;
 

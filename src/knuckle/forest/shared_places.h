@@ -52,6 +52,7 @@ struct SumOfWorkers {
   std::int64_t total = 0;
   std::int64_t before = 0;
 };
+/// Adds up what each worker says.
 SumOfWorkers sum_of_workers(WorkerGroup& workers, std::int64_t own);
 
 /// Continues a hash through the words of all workers, one worker after another: what one process would get

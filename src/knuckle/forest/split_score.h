@@ -89,6 +89,7 @@ class VarianceStatistics {
   void read_target(std::uint32_t sample, std::int16_t* target) const {
     std::copy_n(targets_->row(sample), target_length(), target);
   }
+  /// Targets that came from other workers.
   struct Received {
     ScoringTargets targets;
     VarianceStatistics statistics() const { return VarianceStatistics(targets); }

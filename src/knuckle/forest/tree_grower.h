@@ -65,6 +65,7 @@ inline std::int64_t bag_size(const TreeOptions& options, std::int64_t all) {
 
 /// Numbers of the streams a tree draws from: 0 for its bag, then one per node.
 inline constexpr std::uint64_t kBagStream = 0;
+/// The stream of a node.
 inline Random stream_of_node(std::uint64_t seed, std::size_t node) {
   return Random(seed, kBagStream + 1 + node);
 }
