@@ -135,12 +135,12 @@ void grow_each_tree(const TreeOptions& options, std::size_t first_tree, std::siz
   for (std::size_t tree = first_tree; tree < trees; ++tree) {
     TreeCheckpoint<Feature> checkpoint(run, fingerprint, tree);
     Log log = checkpoint.load();
-    if (workers != nullptr) log = log_of_first(*workers, log);
     const auto nodes_done = [&](const Log& grown) {
       checkpoint.update(grown);
       if (run.nodes_done) run.nodes_done(grown.size());
     };
     try {
+      if (workers != nullptr) log = log_of_first(*workers, log);
       append(grow(derived_seed(options.seed, tree), progress, log, nodes_done));
     } catch (const Interrupted&) {
       checkpoint.write(log);
