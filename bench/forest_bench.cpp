@@ -98,7 +98,7 @@ void best_split(benchmark::State& state) {
   std::vector<std::uint32_t> node(static_cast<std::size_t>(count));
   std::iota(node.begin(), node.end(), 0U);
   TreeOptions options;
-  const ScoringTargets targets = make_scoring_targets(samples, node, {}, 15);
+  const ScoringTargets targets = make_scoring_targets(samples, {node}, {}, 15);
   const PixelPairFeatures features(samples);
   const VarianceStatistics<16> statistics(targets);
   SplitSearch<PixelPairFeatures, VarianceStatistics<16>> search;

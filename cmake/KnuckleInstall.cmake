@@ -17,8 +17,8 @@ install(TARGETS knuckle_runtime knuckle_library EXPORT knuckleTargets LIBRARY DE
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS knuckle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS knuckle-camera RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/knuckle)
-# Where the program alone was built it is not there.
-install(TARGETS knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training OPTIONAL)
+# Where the program alone was built they are not there.
+install(TARGETS knuckle-train-forest knuckle-train-network RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training OPTIONAL)
 
 # Headers that the modules list as public.
 get_property(public_headers GLOBAL PROPERTY KNUCKLE_PUBLIC_HEADERS)

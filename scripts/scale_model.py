@@ -34,6 +34,9 @@ class Costs:
     latency_s: float = 2e-4  # per exchange and doubling of the workers; measured here over the loopback for two
     failure_h: float = 50000.0  # assumed: mean time to a failure of one worker; Dubey et al. 2024 report 419 in 54 days on 16,384 GPUs
     restart_s: float = 120.0  # assumed: until all are started again and have their samples
+    patch_bytes: float = 18.75e3  # of a sample of the pose forest: a patch of 96 x 96, and its targets
+    moved_patches: float = 0.61  # of all patches that each of two workers sends per tree (docs/scale.md)
+    tree_s: float = 275.0 / 399929  # processor time per patch and tree at the paper's options (docs/performance.md)
     spread: float = 0.1  # assumed: standard deviation of the logarithm of a step's time on one worker
 
 
@@ -59,6 +62,20 @@ def rendering_s(costs, frames, workers):
 
 def training_s(costs, samples, workers):
     return samples / costs.batch * step_s(costs, workers)
+
+
+def forest_worker_bytes(costs, samples, workers):
+    """A worker's part of the patches."""
+    return costs.patch_bytes * samples / workers
+
+
+def forest_tree_s(costs, samples, workers):
+    """A tree of all workers, each of one core. A patch moves when a tree begins, and about once for each halving of the workers
+    whose parts a node spans: what two workers send, log2(N) times, shared by all N."""
+    if workers == 1:
+        return costs.tree_s * samples
+    sent = costs.moved_patches * 2.0 * math.log2(workers) / workers * costs.patch_bytes * samples
+    return costs.tree_s * samples / workers + sent / costs.link_bytes_s
 
 
 # ---------------------------------------------------------------- simulations
@@ -150,6 +167,14 @@ def print_training(costs, samples):
                   f"{batch / step:9.0f} {100 * alone / step:9.0f} % {duration(seconds):>9} {price:9.0f}")
 
 
+def print_forest(costs, samples):
+    print(f"Pose forest, a tree on {samples:.3g} patches, a core per worker:")
+    for workers in (1, 16, 64, 256, 1000):
+        seconds = forest_tree_s(costs, samples, workers)
+        print(f"  {workers:5} workers: {forest_worker_bytes(costs, samples, workers) / 1e9:8.1f} GB each, {duration(seconds):>8}, "
+              f"efficiency {100.0 * costs.tree_s * samples / workers / seconds:.0f} %")
+
+
 def print_simulation(costs, frames, runs, seed):
     workers = 1000
     draw = random.Random(seed)
@@ -185,6 +210,7 @@ def main():
     costs = Costs()
     print_rendering(costs, arguments.frames)
     print_training(costs, arguments.frames)
+    print_forest(costs, arguments.frames)
     print_simulation(costs, arguments.frames, arguments.runs, arguments.seed)
 
 

@@ -76,7 +76,8 @@ def check_files(prefix):
     for library in prefix.rglob("libknuckle*.so"):
         # It starts /proc/self/exe, which in a user's program is the user's.
         assert b"run_own_program" not in library.read_bytes(), f"{library} holds the module experiment"
-    assert (prefix / "bin/knuckle-train-network").exists()
+    for training in ("knuckle-train-forest", "knuckle-train-network"):
+        assert (prefix / "bin" / training).exists(), f"{training} is not installed"
     assert (prefix / "libexec/knuckle/knuckle-camera").exists()
     # Only the program that reads cameras needs their libraries.
     for library in (b"libfreenect", b"libOpenNI2"):

@@ -20,7 +20,7 @@ void become_sibling(const std::string& program) {
   if (unknown) fail("{}: cannot be found: {}", program, unknown.message());
   const std::filesystem::path path = self.parent_path() / program;
   if (!std::filesystem::exists(path)) {
-    fail("{}: is missing: it trains networks, and belongs beside {}; scripts/build.sh builds it",
+    fail("{}: is missing: it does this kind of training, and belongs beside {}; scripts/build.sh builds it",
          path.string(), self.string());
   }
   std::vector<std::string> arguments = command_line_arguments();

@@ -30,6 +30,8 @@ class WorkerGroup {
   virtual std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) = 0;
   /// How long `exchange` has taken in all, waiting for slower workers included [s].
   virtual double seconds_in_exchange() const = 0;
+  /// What this worker has sent to the others in all.
+  virtual std::int64_t bytes_sent() const = 0;
 };
 
 /// What each worker says, in the order of the workers; at most 1 GiB each.

@@ -54,6 +54,20 @@ class ClassStatistics {
   explicit ClassStatistics(std::span<const std::uint8_t> labels) : labels_(labels) {}
   void assign(std::span<const std::uint32_t> samples, Node& node) const { node.assign(labels_, samples); }
 
+  /// The class of one sample, and statistics of samples that came from other workers.
+  static std::size_t target_length() { return 1; }
+  void read_target(std::uint32_t sample, std::int16_t* target) const { *target = labels_[sample]; }
+  /// Classes that came from other workers.
+  struct Received {
+    std::vector<std::uint8_t> labels;
+    ClassStatistics statistics() const { return ClassStatistics(labels); }
+  };
+  static Received received(std::span<const std::int16_t* const> rows) {
+    Received samples;
+    for (const std::int16_t* const row : rows) samples.labels.push_back(*row != 0 ? 1 : 0);
+    return samples;
+  }
+
  private:
   std::span<const std::uint8_t> labels_;
 };

@@ -44,6 +44,41 @@ std::size_t DepthTiles::bytes() const {
   return sizeof(DepthTiles) + tiles_.size() * sizeof(tiles_[0]) + pixels_.size() * sizeof(pixels_[0]);
 }
 
+std::size_t DepthTiles::message_bytes() const {
+  return sizeof(Lengths) + tiles_.size() * sizeof(tiles_[0]) + pixels_.size() * sizeof(pixels_[0]);
+}
+
+void DepthTiles::append_to(std::vector<std::byte>& message) const {
+  append_value(message,
+               Lengths{.width = width_, .height = height_, .tiles = tiles_.size(), .pixels = pixels_.size()});
+  append_values(message, std::span<const std::uint16_t>(tiles_));
+  append_values(message, std::span<const std::int16_t>(pixels_));
+}
+
+DepthTiles DepthTiles::read(MessageReader& reader) {
+  constexpr std::uint64_t kPixels = std::uint64_t{kSide} * kSide;
+  const auto lengths = reader.value<Lengths>();
+  const auto tiles_along = [](std::int64_t pixels) { return (pixels + kSide - 1) / kSide + 2; };
+  const bool fits = lengths.width >= 0 && lengths.height >= 0 &&
+                    lengths.tiles == static_cast<std::uint64_t>(tiles_along(lengths.width)) *
+                                         static_cast<std::uint64_t>(tiles_along(lengths.height)) &&
+                    lengths.tiles <= reader.bytes_left() && lengths.pixels <= reader.bytes_left() &&
+                    lengths.pixels >= kPixels && lengths.pixels % kPixels == 0;
+  if (!fits) fail("a worker's message: a depth image whose sizes do not fit together");
+  DepthTiles image;
+  image.width_ = lengths.width;
+  image.height_ = lengths.height;
+  image.tiles_per_row_ = static_cast<std::int32_t>(tiles_along(lengths.width));
+  image.tiles_.resize(lengths.tiles);
+  image.pixels_.resize(lengths.pixels);
+  reader.read(std::span(image.tiles_));
+  reader.read(std::span(image.pixels_));
+  for (const std::uint16_t tile : image.tiles_) {
+    if (tile >= lengths.pixels / kPixels) fail("a worker's message: a depth image has no tile {}", tile);
+  }
+  return image;
+}
+
 std::uint64_t DepthTiles::hash() const {
   std::uint64_t hash = mixed_hash(static_cast<std::uint64_t>(width_), static_cast<std::uint64_t>(height_));
   for (const std::uint16_t tile : tiles_) hash = mixed_hash(hash, tile);

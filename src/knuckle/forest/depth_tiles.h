@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knuckle/core/image.h"
+#include "knuckle/core/worker_messages.h"
 #include "knuckle/forest/depth_offsets.h"
 
 namespace knuckle {
@@ -42,10 +43,23 @@ class DepthTiles {
   }
 
   std::size_t bytes() const;
+  /// Bytes of the image in a message to another worker, and the message.
+  std::size_t message_bytes() const;
+  void append_to(std::vector<std::byte>& message) const;
+  /// Reads what append_to wrote. Throws an Error where a tile leads nowhere or sizes do not fit together.
+  static DepthTiles read(MessageReader& reader);
   /// Depends on the pixels only.
   std::uint64_t hash() const;
 
  private:
+  /// The lengths that a message begins with.
+  struct Lengths {
+    std::int32_t width = 0;
+    std::int32_t height = 0;
+    std::uint64_t tiles = 0;
+    std::uint64_t pixels = 0;
+  };
+
   static constexpr int kSideBits = 3;
   static constexpr int kSide = 1 << kSideBits;
 

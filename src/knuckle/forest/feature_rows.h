@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 namespace knuckle {
@@ -58,5 +60,11 @@ struct FeatureRows {
     }
   }
 };
+
+/// Fills the block with samples of `length` numbers each: sample i lies at rows[i]. `loop` calls its second
+/// argument for 0, ..., count - 1: parallel_for, or a plain loop.
+void copy_rows(std::span<const std::int16_t* const> rows, std::size_t length,
+               void (*loop)(std::int64_t count, const std::function<void(std::int64_t)>& work),
+               FeatureRows& block);
 
 }  // namespace knuckle

@@ -10,11 +10,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/core/worker_messages.h"
 #include "knuckle/forest/flat_trees.h"
+#include "knuckle/forest/shared_growth.h"
 #include "knuckle/forest/tree_grower.h"
 #include "knuckle/storage/model_file.h"
 
@@ -103,34 +107,83 @@ class TreeCheckpoint {
   Clock::time_point written_;
 };
 
-/// Grows trees `first_tree`, ..., `trees` - 1 of a forest. `append` takes each and writes the checkpoint of
-/// whole trees.
+/// The log that worker 0 has, for all workers.
+template <class Feature>
+SplitLog<Feature> log_of_first(WorkerGroup& workers, const SplitLog<Feature>& own) {
+  static_assert(std::is_trivially_copyable_v<NodeSplit<Feature>>);
+  OwnMessages sent(static_cast<std::size_t>(workers.size()));
+  if (workers.rank() == 0) {
+    for (std::vector<std::byte>& message : sent) append_values(message, std::span(own));
+  }
+  const ReceivedMessages received = exchanged(workers, std::move(sent));
+  SplitLog<Feature> log(received.bytes.size() / sizeof(NodeSplit<Feature>));
+  MessageReader(received.bytes).read(std::span(log));
+  return log;
+}
+
+/// Grows trees `first_tree`, ..., `trees` - 1 of a forest, with `grow(seed, progress, log, nodes_done)`.
+/// `append` takes each and writes the checkpoint of whole trees. Where several workers grow it, worker 0 has
+/// the checkpoints.
+template <class Feature, class Grow, class Append>
+void grow_each_tree(const TreeOptions& options, std::size_t first_tree, std::size_t trees,
+                    std::int64_t steps_per_level, const TrainingRun& run, const std::string& fingerprint,
+                    WorkerGroup* workers, const Grow& grow, const Append& append) {
+  using Log = SplitLog<Feature>;
+  const std::int64_t steps_per_tree = steps_per_level * options.max_depth;
+  Progress progress("train forest", "steps", static_cast<std::int64_t>(trees) * steps_per_tree);
+  progress.advance(static_cast<std::int64_t>(first_tree) * steps_per_tree);
+  for (std::size_t tree = first_tree; tree < trees; ++tree) {
+    TreeCheckpoint<Feature> checkpoint(run, fingerprint, tree);
+    Log log = checkpoint.load();
+    const auto nodes_done = [&](const Log& grown) {
+      checkpoint.update(grown);
+      if (run.nodes_done) run.nodes_done(grown.size());
+    };
+    try {
+      if (workers != nullptr) log = log_of_first(*workers, log);
+      append(grow(derived_seed(options.seed, tree), progress, log, nodes_done));
+    } catch (const Interrupted&) {
+      checkpoint.write(log);
+      throw Interrupted(fmt::format("interrupted after {} of {} trees{}", tree, trees,
+                                    run.checkpoint.empty() ? "" : "; continue with --resume"));
+    } catch (...) {
+      if (workers != nullptr) checkpoint.write(log);  // another worker was lost: what is done is kept
+      throw;
+    }
+    if (!run.checkpoint.empty()) std::filesystem::remove(tree_checkpoint(run.checkpoint));
+    if (run.tree_done) run.tree_done(static_cast<int>(tree) + 1);
+  }
+}
+
+/// Grows them from all samples, `order` them in the order to work in.
 template <class Features, class Statistics, class Append>
 void grow_trees(const Features& features, const Statistics& statistics, const TreeOptions& options,
                 std::span<const std::uint32_t> order, std::size_t first_tree, std::size_t trees,
                 const TrainingRun& run, const std::string& fingerprint, const Append& append) {
   using Grower = TreeGrower<Features, Statistics>;
-  const std::int64_t steps_per_tree = Grower::kStepsPerLevel * options.max_depth;
-  Progress progress("train forest", "steps", static_cast<std::int64_t>(trees) * steps_per_tree);
-  progress.advance(static_cast<std::int64_t>(first_tree) * steps_per_tree);
   Grower grower(features, statistics, options);
-  for (std::size_t tree = first_tree; tree < trees; ++tree) {
-    TreeCheckpoint<typename Features::Feature> checkpoint(run, fingerprint, tree);
-    typename Grower::Log log = checkpoint.load();
-    const auto nodes_done = [&](const typename Grower::Log& grown) {
-      checkpoint.update(grown);
-      if (run.nodes_done) run.nodes_done(grown.size());
-    };
-    try {
-      append(grower.grow(order, derived_seed(options.seed, tree), progress, log, nodes_done));
-    } catch (const Interrupted&) {
-      checkpoint.write(log);
-      throw Interrupted(fmt::format("interrupted after {} of {} trees{}", tree, trees,
-                                    run.checkpoint.empty() ? "" : "; continue with --resume"));
-    }
-    if (!run.checkpoint.empty()) std::filesystem::remove(tree_checkpoint(run.checkpoint));
-    if (run.tree_done) run.tree_done(static_cast<int>(tree) + 1);
-  }
+  const auto grow = [&](std::uint64_t seed, Progress& progress, typename Grower::Log& log,
+                        const auto& nodes_done) {
+    return grower.grow(order, seed, progress, log, nodes_done);
+  };
+  grow_each_tree<typename Features::Feature>(options, first_tree, trees, Grower::kStepsPerLevel, run,
+                                             fingerprint, nullptr, grow, append);
+}
+
+/// Grows them with other workers. `next_samples` gives this worker's samples of all, before each tree.
+template <class Features, class Statistics, class Next, class Append>
+void grow_shared_trees(WorkerGroup& workers, const Features& features, const Statistics& statistics,
+                       const TreeOptions& options, const Next& next_samples, const MoveSamples& move,
+                       std::size_t first_tree, std::size_t trees, const TrainingRun& run,
+                       const std::string& fingerprint, const Append& append) {
+  using Grower = SharedTreeGrower<Features, Statistics>;
+  Grower grower(workers, features, statistics, options, move);
+  const auto grow = [&](std::uint64_t seed, Progress& progress, typename Grower::Log& log,
+                        const auto& nodes_done) {
+    return grower.grow(next_samples(), seed, progress, log, nodes_done);
+  };
+  grow_each_tree<typename Features::Feature>(options, first_tree, trees, Grower::kStepsPerLevel, run,
+                                             fingerprint, &workers, grow, append);
 }
 
 }  // namespace knuckle

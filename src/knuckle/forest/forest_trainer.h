@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
+#include "knuckle/core/worker_group.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/forest/regression_forest.h"
 #include "knuckle/forest/split_options.h"
@@ -39,5 +41,16 @@ void check_training_memory(std::int64_t samples, int features, int targets,
 RegressionForest train_regression_forest(const TrainingSamples& samples,
                                          const RegressionForestOptions& options, const TrainingRun& run = {},
                                          std::span<const double> target_weights = {});
+
+/// Trains the forest that one process would train from the samples of all workers, bit by bit. `samples` are
+/// this worker's; they move between the workers. Their sample 0 has the number `first_number` among all,
+/// which counts where two have the same contents. memory_gb is for each worker. Options, run (but for the
+/// checkpoint, which worker 0 alone has) and weights are the same for all. Returns the forest to worker 0 and
+/// nothing to the others. Throws as above; who throws has to tell the others.
+std::optional<RegressionForest> train_regression_forest(WorkerGroup& workers, TrainingSamples& samples,
+                                                        std::int64_t first_number,
+                                                        const RegressionForestOptions& options,
+                                                        const TrainingRun& run = {},
+                                                        std::span<const double> target_weights = {});
 
 }  // namespace knuckle

@@ -47,4 +47,14 @@ void OffsetFeatures::gather(std::span<const std::uint32_t> samples, Loop loop, B
   });
 }
 
+void OffsetFeatures::read_row(std::uint32_t sample, const Block& block, std::int16_t* row) const {
+  const auto& [index, column, line] = samples_[sample];
+  const PixelSamples::DepthImage& image = images_[index];
+  const PixelScale scale = image.scale.at(image.depth(column, line));
+  for (const DepthOffset& offset : block.pool) {
+    *row++ = image.depth.at(
+        image.depth.place_of(shifted(column, offset.x, scale.x), shifted(line, offset.y, scale.y)));
+  }
+}
+
 }  // namespace knuckle

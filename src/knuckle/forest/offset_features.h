@@ -41,6 +41,10 @@ class OffsetFeatures {
   void begin_node(Random& random, const TreeOptions& options, Block& block) const;
   /// Reads the samples' depths.
   void gather(std::span<const std::uint32_t> samples, Loop loop, Block& block) const;
+  /// Numbers that the candidates of a node read of a sample, and those of one: what other workers are sent.
+  static std::size_t row_length(const Block& block) { return block.pool.size(); }
+  void read_row(std::uint32_t sample, const Block& block, std::int16_t* row) const;
+  static FeatureRows& rows_of(Block& block) { return block.rows; }
   /// Candidate `index`: offset index + 1 less offset 0, then random pairs.
   RowPair draw(Random& random, int index, int count, const Block& block) const;
   static void values(const Block& block, RowPair pair, std::int16_t* values) {

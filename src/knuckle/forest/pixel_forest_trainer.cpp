@@ -12,9 +12,12 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/core/worker_messages.h"
 #include "knuckle/forest/class_statistics.h"
 #include "knuckle/forest/most_that_fit.h"
 #include "knuckle/forest/offset_features.h"
+#include "knuckle/forest/sample_moves.h"
+#include "knuckle/forest/shared_leaves.h"
 
 namespace knuckle {
 
@@ -27,18 +30,52 @@ constexpr double kGigabyte = 1e9;
 constexpr double kSmallNodes = 2048.0;
 
 /// The part of class 1 among the samples that reach a leaf, as a code, rounded.
-std::uint8_t leaf_code(const Tree& tree, std::size_t leaf, std::span<const std::uint8_t> labels) {
-  const std::span<const std::uint32_t> reached = tree.samples_of(tree.nodes[leaf]);
+std::uint8_t leaf_code(std::size_t ones, std::size_t all) {
+  return static_cast<std::uint8_t>((ones * PixelForest::kMostCode + all / 2) / all);
+}
+
+std::uint8_t leaf_code(std::span<const std::uint32_t> reached, std::span<const std::uint8_t> labels) {
   std::size_t ones = 0;
   for (const std::uint32_t sample : reached) ones += labels[sample];
-  const std::size_t all = reached.size();
-  return static_cast<std::uint8_t>((ones * PixelForest::kMostCode + all / 2) / all);
+  return leaf_code(ones, reached.size());
 }
 
 void append_tree(PixelForest::Parts& parts, const Tree& tree, std::span<const std::uint8_t> labels) {
   for (const std::size_t leaf : append_nodes(parts.trees, tree, parts.leaf_codes.size())) {
-    parts.leaf_codes.push_back(leaf_code(tree, leaf, labels));
+    parts.leaf_codes.push_back(leaf_code(tree.samples_of(tree.nodes[leaf]), labels));
   }
+}
+
+/// Adds a tree of all workers; at worker 0 alone.
+void append_tree(PixelForest::Parts& parts, WorkerGroup& workers, const SharedTree<OffsetPair>& tree,
+                 std::span<const std::uint8_t> labels) {
+  FlatTrees<OffsetPair> unused;
+  const bool is_first = workers.rank() == 0;
+  std::vector<SharedLeaf> leaves;
+  for (const std::size_t node :
+       append_nodes(is_first ? parts.trees : unused, tree.own, parts.leaf_codes.size())) {
+    leaves.push_back({tree.own.samples_of(tree.own.nodes[node]), tree.shares[node]});
+  }
+  for (const auto& [ones, all] : shared_class_counts(workers, labels, leaves)) {
+    parts.leaf_codes.push_back(leaf_code(static_cast<std::size_t>(ones), static_cast<std::size_t>(all)));
+  }
+}
+
+/// Moves the images of all workers to where the order of training has them: by their hash, then their number.
+/// Returns this worker's.
+std::vector<std::uint32_t> images_in_order(WorkerGroup& workers, PixelSamples& samples,
+                                           std::int64_t first_number) {
+  const std::vector<std::uint64_t> hashes = hashes_of_images(samples);
+  std::vector<std::uint32_t> own;
+  std::vector<SampleKey> keys;
+  for (std::uint32_t i = 0; i < hashes.size(); ++i) {
+    if (samples.images()[i].pixels.empty()) continue;
+    own.push_back(i);
+    keys.push_back({hashes[i], first_number + i});
+  }
+  const CanonicalPlaces canonical = canonical_places(workers, keys);
+  return moved_to_places(workers, samples, own, canonical.places,
+                         equal_cuts(canonical.total, workers.size()));
 }
 
 /// All that the trees depend on, as text.
@@ -55,6 +92,25 @@ void check(const PixelForestOptions& options) {
         "smaller",
         options.offsets.nearest_offset_mm, options.offsets.farthest_offset_mm);
   }
+}
+
+void check_classes(std::int64_t ones, std::int64_t all) {
+  if (all == 0) fail("forest training: there are no samples");
+  if (ones == 0 || ones == all) {
+    fail("forest training: all {} samples are of class {}, expected both classes", all, ones == 0 ? 0 : 1);
+  }
+}
+
+PixelForest::Parts first_parts(const std::filesystem::path& checkpoint, const std::string& fingerprint) {
+  if (const auto file = open_checkpoint(checkpoint, fingerprint)) return read_pixel_forest(*file).parts();
+  return {};
+}
+
+void write_parts(const std::filesystem::path& checkpoint, const std::string& fingerprint,
+                 const PixelForest::Parts& parts) {
+  if (checkpoint.empty()) return;
+  write_checkpoint(checkpoint, fingerprint,
+                   [&](ModelWriter& file) { write_forest(file, PixelForest(parts, checkpoint.string())); });
 }
 
 }  // namespace
@@ -97,25 +153,16 @@ PixelForest train_pixel_forest(const PixelSamples& samples, const PixelForestOpt
                                const TrainingRun& run) {
   check(options);
   const ArrangedSamples all = arranged(samples);
-  if (all.samples.empty()) fail("forest training: there are no samples");
-  const auto ones = std::accumulate(all.labels.begin(), all.labels.end(), std::size_t{0});
-  if (ones == 0 || ones == all.labels.size()) {
-    fail("forest training: all {} samples are of class {}, expected both classes", all.labels.size(),
-         ones == 0 ? 0 : 1);
-  }
+  check_classes(std::accumulate(all.labels.begin(), all.labels.end(), std::int64_t{0}),
+                std::ssize(all.labels));
   check_training_memory(static_cast<double>(samples.bytes()), std::ssize(samples.images()),
                         std::ssize(all.samples), options);
 
   const std::string fingerprint = fingerprint_of(options, all.hash);
-  PixelForest::Parts parts;
-  if (const auto file = open_checkpoint(run.checkpoint, fingerprint))
-    parts = read_pixel_forest(*file).parts();
+  PixelForest::Parts parts = first_parts(run.checkpoint, fingerprint);
   const auto append = [&](const Tree& tree) {
     append_tree(parts, tree, all.labels);
-    if (run.checkpoint.empty()) return;
-    write_checkpoint(run.checkpoint, fingerprint, [&](ModelWriter& file) {
-      write_forest(file, PixelForest(parts, run.checkpoint.string()));
-    });
+    write_parts(run.checkpoint, fingerprint, parts);
   };
   std::vector<std::uint32_t> order(all.samples.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -125,6 +172,38 @@ PixelForest train_pixel_forest(const PixelSamples& samples, const PixelForestOpt
              static_cast<std::size_t>(options.trees), run, fingerprint, append);
   remove_checkpoint(run.checkpoint);
   return {std::move(parts), "forest training"};
+}
+
+std::optional<PixelForest> train_pixel_forest(WorkerGroup& workers, PixelSamples& samples,
+                                              std::int64_t first_number, const PixelForestOptions& options,
+                                              const TrainingRun& run) {
+  check(options);
+  const std::vector<std::uint32_t> images = images_in_order(workers, samples, first_number);
+  const ArrangedPart part = arranged(samples, images, hashes_of_images(samples));
+  const ArrangedSamples& own = part.samples;
+  const std::string fingerprint = fingerprint_of(options, chained_hash(workers, part.words));
+  OwnSamples order{.samples = std::vector<std::uint32_t>(own.samples.size()),
+                   .count = sum_of_workers(workers, std::ssize(own.samples))};
+  std::iota(order.samples.begin(), order.samples.end(), 0U);
+  const auto ones = std::accumulate(own.labels.begin(), own.labels.end(), std::int64_t{0});
+  check_classes(sum_of_workers(workers, ones).total, order.count.total);
+  check_training_memory(static_cast<double>(samples.bytes()), std::ssize(samples.images()),
+                        std::ssize(own.samples), options);
+
+  PixelForest::Parts parts = first_parts(run.checkpoint, fingerprint);
+  const auto append = [&](const SharedTree<OffsetPair>& tree) {
+    append_tree(parts, workers, tree, own.labels);
+    write_parts(run.checkpoint, fingerprint, parts);
+  };
+  const std::size_t first_tree = values_of_all(workers, parts.trees.roots.size())[0];
+  const OffsetFeatures features(samples, own, options.offsets);
+  const ClassStatistics statistics(own.labels);
+  grow_shared_trees(
+      workers, features, statistics, options.tree, [&] { return order; }, {}, first_tree,
+      static_cast<std::size_t>(options.trees), run, fingerprint, append);
+  remove_checkpoint(run.checkpoint);
+  if (workers.rank() != 0) return std::nullopt;
+  return PixelForest(std::move(parts), "forest training");
 }
 
 }  // namespace knuckle

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "knuckle/core/worker_group.h"
 #include "knuckle/forest/depth_offsets.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/forest/pixel_forest.h"
@@ -34,5 +36,12 @@ void check_training_memory(double image_bytes, std::int64_t images, std::int64_t
 /// there is no sample, all are of one class, or memory_gb does not suffice.
 PixelForest train_pixel_forest(const PixelSamples& samples, const PixelForestOptions& options,
                                const TrainingRun& run = {});
+
+/// Trains the forest that one process would train from the samples of all workers, bit by bit; see
+/// train_regression_forest. Images move once, to where the order of training has them. `first_number` is the
+/// number of this worker's image 0 among all.
+std::optional<PixelForest> train_pixel_forest(WorkerGroup& workers, PixelSamples& samples,
+                                              std::int64_t first_number, const PixelForestOptions& options,
+                                              const TrainingRun& run = {});
 
 }  // namespace knuckle

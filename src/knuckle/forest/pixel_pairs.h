@@ -52,6 +52,12 @@ class PixelPairFeatures {
   void begin_node(Random& /*random*/, const TreeOptions& /*options*/, Block& /*block*/) const {}
   /// Copies these samples. `block` keeps its memory for the next call.
   void gather(std::span<const std::uint32_t> samples, Loop loop, Block& block) const;
+  /// Numbers that the candidates of a node read of a sample, and those of one: what other workers are sent.
+  std::size_t row_length(const Block& /*block*/) const {
+    return static_cast<std::size_t>(samples_->feature_count());
+  }
+  void read_row(std::uint32_t sample, const Block& block, std::int16_t* row) const;
+  static FeatureRows& rows_of(Block& block) { return block; }
   /// The feature of each sample of the block.
   static void values(const Block& block, PixelPair pair, std::int16_t* values) {
     block.difference({pair.first, pair.second}, values);

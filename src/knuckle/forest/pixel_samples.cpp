@@ -56,44 +56,103 @@ std::size_t PixelSamples::bytes() const {
   return bytes;
 }
 
-ArrangedSamples arranged(const PixelSamples& samples) {
+std::size_t PixelSamples::message_bytes(std::uint32_t index) const {
+  const DepthImage& image = images_[index];
+  return image.depth.message_bytes() + sizeof(image.scale) + sizeof(std::uint64_t) +
+         image.pixels.size() * sizeof(LabelledPixel);
+}
+
+void PixelSamples::take(std::uint32_t index, std::vector<std::byte>& message) {
+  DepthImage& image = images_[index];
+  image.depth.append_to(message);
+  append_value(message, image.scale);
+  append_value(message, std::uint64_t{image.pixels.size()});
+  append_values(message, std::span<const LabelledPixel>(image.pixels));
+  image = {};
+  free_.push_back(index);
+}
+
+std::uint32_t PixelSamples::put(MessageReader& reader) {
+  if (free_.empty()) {
+    free_.push_back(static_cast<std::uint32_t>(images_.size()));
+    images_.emplace_back();
+  }
+  const std::uint32_t index = free_.back();
+  DepthImage& image = images_[index];
+  image.depth = DepthTiles::read(reader);
+  reader.read(std::span(&image.scale, 1));
+  const auto pixels = reader.value<std::uint64_t>();
+  if (pixels > reader.bytes_left()) fail("a worker's message: an image of {} pixels ends early", pixels);
+  image.pixels.resize(pixels);
+  reader.read(std::span(image.pixels));
+  for (const LabelledPixel& pixel : image.pixels) {
+    if (pixel.column < 0 || pixel.column >= image.depth.width() || pixel.row < 0 ||
+        pixel.row >= image.depth.height() || pixel.label > 1) {
+      fail("a worker's message: pixel ({}, {}) of an image of {} x {}", pixel.column, pixel.row,
+           image.depth.width(), image.depth.height());
+    }
+  }
+  free_.pop_back();
+  return index;
+}
+
+std::uint64_t PixelSamples::DepthImage::hash() const {
+  std::uint64_t hash = pixels.empty() ? 0 : depth.hash();
+  const PixelScale nearest = scale.at(1);
+  hash = mixed_hash(mixed_hash(hash, static_cast<std::uint32_t>(nearest.x)),
+                    static_cast<std::uint32_t>(nearest.y));
+  for (const LabelledPixel& pixel : pixels) {
+    hash = mixed_hash(hash, static_cast<std::uint16_t>(pixel.column));
+    hash = mixed_hash(hash, static_cast<std::uint16_t>(pixel.row));
+    hash = mixed_hash(hash, pixel.label);
+  }
+  return hash;
+}
+
+std::vector<std::uint64_t> hashes_of_images(const PixelSamples& samples) {
+  const std::span<const PixelSamples::DepthImage> images = samples.images();
+  std::vector<std::uint64_t> hashes(images.size());
+  parallel_for(std::ssize(images), [&](std::int64_t i) {
+    const auto index = static_cast<std::size_t>(i);
+    hashes[index] = images[index].hash();
+  });
+  return hashes;
+}
+
+ArrangedPart arranged(const PixelSamples& samples, std::span<const std::uint32_t> order,
+                      std::span<const std::uint64_t> hashes) {
   const std::int64_t count = samples.sample_count();
   if (count > std::numeric_limits<std::uint32_t>::max()) {
     fail("forest training: {} pixels, expected at most {}", count, std::numeric_limits<std::uint32_t>::max());
   }
   const std::span<const PixelSamples::DepthImage> images = samples.images();
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(images.size());
-  parallel_for(std::ssize(images), [&](std::int64_t i) {
-    const auto index = static_cast<std::size_t>(i);
+  ArrangedPart part;
+  part.samples.samples.reserve(static_cast<std::size_t>(count));
+  part.samples.labels.reserve(static_cast<std::size_t>(count));
+  for (const std::uint32_t index : order) {
     const PixelSamples::DepthImage& image = images[index];
-    std::uint64_t hash = image.pixels.empty() ? 0 : image.depth.hash();
-    const PixelScale scale = image.scale.at(1);
-    hash = mixed_hash(mixed_hash(hash, static_cast<std::uint32_t>(scale.x)),
-                      static_cast<std::uint32_t>(scale.y));
-    for (const LabelledPixel& pixel : image.pixels) {
-      hash = mixed_hash(hash, static_cast<std::uint16_t>(pixel.column));
-      hash = mixed_hash(hash, static_cast<std::uint16_t>(pixel.row));
-      hash = mixed_hash(hash, pixel.label);
-    }
-    order[index] = {hash, static_cast<std::uint32_t>(i)};
-  });
-  std::ranges::sort(order);
-  ArrangedSamples result;
-  result.samples.reserve(static_cast<std::size_t>(count));
-  result.labels.reserve(static_cast<std::size_t>(count));
-  for (const auto& [hash, index] : order) {
-    if (images[index].pixels.empty()) continue;
     // At 1 mm, as in the order, scales are as large as they get; at 1 m each camera has its own.
-    const PixelScale scale = images[index].scale.at(1000);
-    result.hash = mixed_hash(result.hash, hash);
-    result.hash = mixed_hash(result.hash, static_cast<std::uint32_t>(scale.x));
-    result.hash = mixed_hash(result.hash, static_cast<std::uint32_t>(scale.y));
-    for (const LabelledPixel& pixel : images[index].pixels) {
-      result.samples.push_back({index, pixel.column, pixel.row});
-      result.labels.push_back(pixel.label);
+    const PixelScale scale = image.scale.at(1000);
+    part.words.insert(part.words.end(), {hashes[index], static_cast<std::uint32_t>(scale.x),
+                                         static_cast<std::uint32_t>(scale.y)});
+    for (const LabelledPixel& pixel : image.pixels) {
+      part.samples.samples.push_back({index, pixel.column, pixel.row});
+      part.samples.labels.push_back(pixel.label);
     }
   }
-  return result;
+  return part;
+}
+
+ArrangedSamples arranged(const PixelSamples& samples) {
+  const std::vector<std::uint64_t> hashes = hashes_of_images(samples);
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < hashes.size(); ++i) {
+    if (!samples.images()[i].pixels.empty()) order.push_back(i);
+  }
+  std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(hashes[i], i); });
+  ArrangedPart all = arranged(samples, order, hashes);
+  for (const std::uint64_t word : all.words) all.samples.hash = mixed_hash(all.samples.hash, word);
+  return std::move(all.samples);
 }
 
 }  // namespace knuckle

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "knuckle/core/worker_group.h"
+#include "knuckle/forest/shared_places.h"
 #include "knuckle/forest/training_samples.h"
 
 namespace knuckle {
@@ -21,9 +23,16 @@ struct ScoringTargets {
   const std::int16_t* row(std::size_t sample) const { return values.data() + sample * dimensions; }
 };
 
-/// `order` lists the samples (canonical order); `weights` multiply the targets, one per target, or none for
-/// all 1.
-ScoringTargets make_scoring_targets(const TrainingSamples& samples, std::span<const std::uint32_t> order,
+/// The samples in canonical order, or this worker's part of them.
+struct SamplesInOrder {
+  std::span<const std::uint32_t> order;
+  WorkerGroup* workers = nullptr;  ///< with whom they are shared; nullptr: nobody
+  SumOfWorkers count = {};         ///< where they are shared: samples of all workers, and of those before
+};
+
+/// `weights` multiply the targets, one per target, or none for all 1. Sums are made in one order, whoever has
+/// which samples: the bits do not depend on threads or workers.
+ScoringTargets make_scoring_targets(const TrainingSamples& samples, const SamplesInOrder& order,
                                     std::span<const double> weights, int most_dimensions);
 
 }  // namespace knuckle

@@ -84,6 +84,24 @@ class VarianceStatistics {
   explicit VarianceStatistics(const ScoringTargets& targets) : targets_(&targets) {}
   void assign(std::span<const std::uint32_t> samples, Node& node) const { node.assign(*targets_, samples); }
 
+  /// The targets of one sample, and statistics of samples that came from other workers.
+  std::size_t target_length() const { return static_cast<std::size_t>(targets_->dimensions); }
+  void read_target(std::uint32_t sample, std::int16_t* target) const {
+    std::copy_n(targets_->row(sample), target_length(), target);
+  }
+  /// Targets that came from other workers.
+  struct Received {
+    ScoringTargets targets;
+    VarianceStatistics statistics() const { return VarianceStatistics(targets); }
+  };
+  Received received(std::span<const std::int16_t* const> rows) const {
+    Received samples{{.dimensions = targets_->dimensions, .values = {}}};
+    for (const std::int16_t* const row : rows) {
+      samples.targets.values.insert(samples.targets.values.end(), row, row + target_length());
+    }
+    return samples;
+  }
+
  private:
   const ScoringTargets* targets_;
 };

@@ -10,6 +10,7 @@
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/random.h"
+#include "knuckle/forest/feature_rows.h"
 #include "knuckle/forest/split_options.h"
 #include "knuckle/forest/split_score.h"
 
@@ -32,6 +33,16 @@ concept SplitFeatures = requires(const T features, Random& random, const TreeOpt
   { features.value(0U, feature) } -> std::same_as<std::int16_t>;
 };
 
+/// What the engine asks besides, where samples are spread over several workers: the numbers that a node's
+/// candidates read of a sample, so that another worker can try them.
+template <class T>
+concept SharedFeatures = SplitFeatures<T> &&
+    requires(const T features, typename T::Block& block, std::int16_t* row) {
+  { features.row_length(block) } -> std::same_as<std::size_t>;
+  features.read_row(0U, block, row);
+  { T::rows_of(block) } -> std::same_as<FeatureRows&>;
+};
+
 /// What the engine asks of the statistics of targets: made ready once a node, then asked for the best
 /// threshold of each candidate. samples() says in which order (and how often: to fill SIMD registers) it
 /// wants the samples' values.
@@ -43,6 +54,16 @@ concept SplitStatistics = requires(const T statistics, typename T::Node& node, c
   { ready.samples() } -> std::same_as<std::span<const std::uint32_t>>;
   { ready.is_pure() } -> std::same_as<bool>;
   { ready.best_split(values, std::size_t{0}, options, scratch) } -> std::same_as<ThresholdSplit>;
+};
+
+/// What the engine asks besides, where samples are spread over several workers: the targets of a sample as
+/// 16-bit numbers, and statistics of samples whose numbers came from others: sample i of them is rows[i].
+template <class T>
+concept SharedStatistics = SplitStatistics<T> &&
+    requires(const T statistics, std::int16_t* target, std::span<const std::int16_t* const> rows) {
+  { statistics.target_length() } -> std::same_as<std::size_t>;
+  statistics.read_target(0U, target);
+  { statistics.received(rows).statistics() } -> std::same_as<T>;
 };
 
 /// A split of a node: right where feature >= threshold. No split is worth it where `gain` is 0.
@@ -70,8 +91,10 @@ class SplitSearch {
   using Loop = void (*)(std::int64_t count, const std::function<void(std::int64_t)>& work);
 
   /// The best of options.splits_per_node candidates drawn from `random`; of equal ones the first drawn.
-  /// `loop` runs the work on one thread or all; the result is the same.
-  NodeSplit<Feature> best_split(const Features& features, const Statistics& statistics,
+  /// `loop` runs the work on one thread or all; the result is the same. `features` draws candidates and
+  /// copies samples as Features does.
+  template <class Source>
+  NodeSplit<Feature> best_split(const Source& features, const Statistics& statistics,
                                 std::span<const std::uint32_t> samples, const TreeOptions& options,
                                 Random& random, Loop loop);
 
@@ -87,7 +110,8 @@ class SplitSearch {
 };
 
 template <SplitFeatures Features, SplitStatistics Statistics>
-auto SplitSearch<Features, Statistics>::best_split(const Features& features, const Statistics& statistics,
+template <class Source>
+auto SplitSearch<Features, Statistics>::best_split(const Source& features, const Statistics& statistics,
                                                    std::span<const std::uint32_t> samples,
                                                    const TreeOptions& options, Random& random, Loop loop)
     -> NodeSplit<Feature> {

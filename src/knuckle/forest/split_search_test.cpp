@@ -86,7 +86,7 @@ void expect_best_split(int sample_count, int target_count, int min_leaf_samples)
   const RandomRows rows(sample_count, 40, target_count);
   const TrainingSamples samples = rows.samples();
   const auto order = samples.canonical_order().indices;
-  const ScoringTargets targets = make_scoring_targets(samples, order, {}, kLanes - 1);
+  const ScoringTargets targets = make_scoring_targets(samples, {order}, {}, kLanes - 1);
   TreeOptions options;
   options.splits_per_node = 60;
   options.min_leaf_samples = min_leaf_samples;
@@ -137,7 +137,7 @@ TEST(SplitSearch, FindsNoneWhereTargetsAreEqual) {
   std::vector<std::uint32_t> node(64);
   std::iota(node.begin(), node.end(), 0U);
   const auto order = samples.canonical_order().indices;
-  const ScoringTargets targets = make_scoring_targets(samples, order, {}, 7);
+  const ScoringTargets targets = make_scoring_targets(samples, {order}, {}, 7);
   SplitSearch<PixelPairFeatures, VarianceStatistics<8>> search;
   Random random(1);
   EXPECT_EQ(search

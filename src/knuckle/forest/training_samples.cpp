@@ -33,7 +33,8 @@ std::int16_t FeatureQuantizer::operator()(float value) const {
   return static_cast<std::int16_t>(low < kLargest ? low : kLargest);
 }
 
-TrainingSamples::TrainingSamples(std::int64_t count, int features, int targets, FeatureQuantizer quantizer)
+TrainingSamples::TrainingSamples(std::int64_t count, int features, int targets, FeatureQuantizer quantizer,
+                                 std::int64_t spare)
     : feature_count_(features), target_count_(targets), quantizer_(quantizer) {
   const std::int64_t most_samples = std::numeric_limits<std::uint32_t>::max();
   if (count < 0 || count > most_samples)
@@ -43,6 +44,8 @@ TrainingSamples::TrainingSamples(std::int64_t count, int features, int targets, 
     fail("training samples: {} features, expected [1, {}]", features, most_features);
   }
   if (targets < 1) fail("training samples: {} targets, expected at least 1", targets);
+  features_.reserve(static_cast<std::size_t>(count + spare) * features);
+  targets_.reserve(static_cast<std::size_t>(count + spare) * targets);
   features_.resize(static_cast<std::size_t>(count) * features);
   targets_.resize(static_cast<std::size_t>(count) * targets);
   is_set_.resize(static_cast<std::size_t>(count));
@@ -62,6 +65,23 @@ void TrainingSamples::set(std::int64_t index, std::span<const float> features,
                          quantizer_);
   std::ranges::copy(targets, targets_.begin() + static_cast<std::ptrdiff_t>(row * target_count_));
   is_set_[row] = 1;
+}
+
+void TrainingSamples::take(std::size_t index, std::vector<std::byte>& message) {
+  append_values(message, std::span<const std::int16_t>(feature_row(index)));
+  append_values(message, std::span<const float>(target_row(index)));
+  is_set_[index] = 0;
+}
+
+void TrainingSamples::put(std::size_t index, MessageReader& reader) {
+  if (index == is_set_.size()) {
+    is_set_.push_back(0);
+    features_.resize(features_.size() + static_cast<std::size_t>(feature_count_));
+    targets_.resize(targets_.size() + static_cast<std::size_t>(target_count_));
+  }
+  reader.read(feature_row(index));
+  reader.read(target_row(index));
+  is_set_[index] = 1;
 }
 
 std::int64_t TrainingSamples::set_count() const {

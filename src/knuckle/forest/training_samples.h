@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "knuckle/core/worker_messages.h"
+
 namespace knuckle {
 
 /// Features are kept as 16-bit whole multiples of `step`: a feature loses at most step / 2, and one beyond
@@ -23,11 +25,22 @@ struct FeatureQuantizer {
 /// order, from many threads at once, each at most once; rows never set do not take part.
 class TrainingSamples {
  public:
-  /// Room for `count` samples. Memory: count * (2 * features + 4 * targets + 1) bytes.
-  TrainingSamples(std::int64_t count, int features, int targets, FeatureQuantizer quantizer = {});
+  /// Room for `count` samples. Memory: count * (2 * features + 4 * targets + 1) bytes. `put` may add `spare`
+  /// more without a copy of them all.
+  TrainingSamples(std::int64_t count, int features, int targets, FeatureQuantizer quantizer = {},
+                  std::int64_t spare = 0);
 
   /// Throws an Error where an index or a length is wrong, or a value is not finite; the row then stays unset.
   void set(std::int64_t index, std::span<const float> features, std::span<const float> targets);
+
+  /// Bytes of a row in a message to another worker.
+  std::size_t message_bytes() const {
+    return feature_count_ * sizeof(std::int16_t) + target_count_ * sizeof(float);
+  }
+  /// Appends a row to the message; it no longer takes part here.
+  void take(std::size_t index, std::vector<std::byte>& message);
+  /// Reads a row from a message into `index`, which is not set; makes room where it is capacity().
+  void put(std::size_t index, MessageReader& reader);
 
   std::int64_t capacity() const { return static_cast<std::int64_t>(is_set_.size()); }
   bool is_set(std::int64_t index) const { return is_set_[static_cast<std::size_t>(index)] != 0; }
@@ -49,9 +62,16 @@ class TrainingSamples {
     std::uint64_t hash = 0;
   };
   CanonicalOrder canonical_order() const;
+  /// The hash of a row's contents.
+  std::uint64_t hash_of(std::size_t index) const;
 
  private:
-  std::uint64_t hash_of(std::size_t index) const;
+  std::span<std::int16_t> feature_row(std::size_t index) {
+    return std::span(features_).subspan(index * feature_count_, static_cast<std::size_t>(feature_count_));
+  }
+  std::span<float> target_row(std::size_t index) {
+    return std::span(targets_).subspan(index * target_count_, static_cast<std::size_t>(target_count_));
+  }
 
   int feature_count_;
   int target_count_;

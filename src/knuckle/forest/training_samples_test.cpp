@@ -65,7 +65,7 @@ TEST(TrainingSamples, CanonicalOrderFollowsContents) {
 TEST(ScoringTargets, KeepDistancesWhereAllDimensionsFit) {
   const RandomRows rows(40, 6, 5);
   const TrainingSamples samples = rows.samples();
-  const ScoringTargets scoring = make_scoring_targets(samples, samples.canonical_order().indices, {}, 7);
+  const ScoringTargets scoring = make_scoring_targets(samples, {samples.canonical_order().indices}, {}, 7);
   ASSERT_EQ(scoring.dimensions, 5);
   for (std::size_t d = 0; d < 5; ++d) {
     const float truth = rows.targets[3][d] - rows.targets[17][d];
@@ -81,7 +81,7 @@ TEST(ScoringTargets, ProjectionKeepsTheVarianceOfTargetsInASubspace) {
   }
   const TrainingSamples samples = rows.samples();
   const auto order = samples.canonical_order().indices;
-  const ScoringTargets scoring = make_scoring_targets(samples, order, {}, 3);
+  const ScoringTargets scoring = make_scoring_targets(samples, {order}, {}, 3);
   ASSERT_EQ(scoring.dimensions, 3);
   EXPECT_NEAR(scoring.captured_variance, 1.0, 1e-9);
   double truth = 0.0;
@@ -90,7 +90,7 @@ TEST(ScoringTargets, ProjectionKeepsTheVarianceOfTargetsInASubspace) {
   for (std::size_t d = 0; d < 3; ++d)
     kept += std::pow(scoring.step * (scoring.row(5)[d] - scoring.row(80)[d]), 2.0);
   EXPECT_NEAR(kept, truth, 0.01 * truth);
-  EXPECT_LT(make_scoring_targets(samples, order, {}, 1).captured_variance, 0.99);
+  EXPECT_LT(make_scoring_targets(samples, {order}, {}, 1).captured_variance, 0.99);
 }
 
 TEST(ScoringTargets, WeightsScaleTargets) {
@@ -98,10 +98,10 @@ TEST(ScoringTargets, WeightsScaleTargets) {
   const TrainingSamples samples = rows.samples();
   const auto order = samples.canonical_order().indices;
   const std::vector<double> weights{1.0, 0.0};
-  const ScoringTargets scoring = make_scoring_targets(samples, order, weights, 7);
+  const ScoringTargets scoring = make_scoring_targets(samples, {order}, weights, 7);
   for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(scoring.row(i)[1], 0);
   const std::vector<double> wrong{1.0};
-  EXPECT_THAT(error_of([&] { make_scoring_targets(samples, order, wrong, 7); }),
+  EXPECT_THAT(error_of([&] { make_scoring_targets(samples, {order}, wrong, 7); }),
               HasSubstr("1 target weights"));
 }
 

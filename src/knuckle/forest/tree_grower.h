@@ -44,6 +44,74 @@ struct GrownTree {
 template <class Feature>
 using SplitLog = std::vector<NodeSplit<Feature>>;
 
+/// Calls `visit` for `count` of the places 0, ..., `all` - 1, drawn without replacement, in their order
+/// (selection sampling, Knuth vol. 2, 3.4.2 S).
+template <class Visit>
+void for_each_drawn(std::int64_t all, std::int64_t count, Random& random, const Visit& visit) {
+  std::int64_t drawn = 0;
+  for (std::int64_t place = 0; place < all && drawn < count; ++place) {
+    const auto left = static_cast<double>(all - place);
+    if (left * random.uniform() >= static_cast<double>(count - drawn)) continue;
+    visit(place);
+    ++drawn;
+  }
+}
+
+/// How many samples a tree sees of `all`.
+inline std::int64_t bag_size(const TreeOptions& options, std::int64_t all) {
+  const double share = options.bagging_fraction * static_cast<double>(all);
+  return std::clamp<std::int64_t>(std::lround(share), 1, all);
+}
+
+/// Numbers of the streams a tree draws from: 0 for its bag, then one per node.
+inline constexpr std::uint64_t kBagStream = 0;
+/// The stream of a node.
+inline Random stream_of_node(std::uint64_t seed, std::size_t node) {
+  return Random(seed, kBagStream + 1 + node);
+}
+
+/// Searches `count` nodes on all threads: those with many samples one after another, with their candidates in
+/// parallel, the others in parallel. `scored(i)` is how many samples score node i, `search(i, memory, loop)`
+/// does it, and `large` is the memory for large ones. The result does not depend on the number of threads.
+template <class Search, class Scored, class Work>
+void search_nodes(std::size_t count, const Scored& scored, Search& large, const Work& search) {
+  /// Nodes with more scored samples than this share their candidates among the threads.
+  constexpr std::size_t kLargeNode = 1024;
+  /// Small nodes are handed to a thread in groups of about this many samples.
+  constexpr std::size_t kSamplesPerGroup = 1024;
+  std::vector<std::pair<std::size_t, std::size_t>> groups;  // ranges of small nodes
+  std::size_t group_samples = kSamplesPerGroup;
+  for (std::size_t node = 0; node < count; ++node) {
+    const std::size_t samples = scored(node);
+    if (samples > kLargeNode) {
+      search(node, large, parallel_for);
+      group_samples = kSamplesPerGroup;  // a group holds neighbours only
+      continue;
+    }
+    if (group_samples >= kSamplesPerGroup) {
+      groups.emplace_back(node, node);
+      group_samples = 0;
+    }
+    groups.back().second = node + 1;
+    group_samples += samples;
+  }
+  parallel_for(std::ssize(groups), [&](std::int64_t group) {
+    Search memory;
+    const auto [first, end] = groups[static_cast<std::size_t>(group)];
+    for (std::size_t node = first; node < end; ++node) search(node, memory, serial_for);
+  });
+}
+
+/// Moves samples so that those that go left by `split` come first, both sides in their order. Returns how
+/// many go left.
+template <class Features, class Node>
+std::uint32_t partitioned(const Features& features, const Node& split, std::span<std::uint32_t> samples) {
+  const auto right = std::stable_partition(samples.begin(), samples.end(), [&](std::uint32_t sample) {
+    return features.value(sample, split.feature) < split.threshold;
+  });
+  return static_cast<std::uint32_t>(right - samples.begin());
+}
+
 /// Grows one tree, level by level, on all threads: nodes with many samples one after another with their
 /// candidates in parallel, the others in parallel. Each node draws from a stream of its own, named by its
 /// number, so the tree is the same for any number of threads.
@@ -71,14 +139,8 @@ class TreeGrower {
   using Split = NodeSplit<Feature>;
   using Search = SplitSearch<Features, Statistics>;
 
-  /// Nodes with more scored samples than this share their candidates among the threads.
-  static constexpr std::size_t kLargeNode = 1024;
-  /// Small nodes are handed to a thread in groups of about this many samples.
-  static constexpr std::size_t kSamplesPerGroup = 1024;
   /// Nodes are split in batches of about this many scored samples: what a stop loses at most.
   static constexpr std::size_t kSamplesPerBatch = 1 << 18;
-  /// Numbers of the streams a tree draws from: 0 for its bag, then one per node.
-  static constexpr std::uint64_t kBagStream = 0;
 
   std::vector<std::uint32_t> bag(std::span<const std::uint32_t> samples, std::uint64_t seed) const;
   std::size_t batch_end(const Tree& tree, std::size_t first_node) const;
@@ -95,16 +157,13 @@ class TreeGrower {
   Search large_search_;
 };
 
-/// `count` of `samples`, drawn without replacement, in their order (selection sampling, Knuth vol. 2, 3.4.2
-/// S).
+/// `count` of `samples`, drawn without replacement, in their order.
 inline std::vector<std::uint32_t> random_subset(std::span<const std::uint32_t> samples, std::size_t count,
                                                 Random& random) {
   std::vector<std::uint32_t> subset;
   subset.reserve(count);
-  for (std::size_t i = 0; i < samples.size() && subset.size() < count; ++i) {
-    const auto left = static_cast<double>(samples.size() - i);
-    if (left * random.uniform() < static_cast<double>(count - subset.size())) subset.push_back(samples[i]);
-  }
+  for_each_drawn(std::ssize(samples), static_cast<std::int64_t>(count), random,
+                 [&](std::int64_t place) { subset.push_back(samples[static_cast<std::size_t>(place)]); });
   return subset;
 }
 
@@ -141,8 +200,7 @@ auto TreeGrower<Features, Statistics>::grow(std::span<const std::uint32_t> sampl
 template <SplitFeatures Features, SplitStatistics Statistics>
 std::vector<std::uint32_t> TreeGrower<Features, Statistics>::bag(std::span<const std::uint32_t> samples,
                                                                  std::uint64_t seed) const {
-  const double share = options_.bagging_fraction * static_cast<double>(samples.size());
-  const auto count = std::max(std::size_t{1}, static_cast<std::size_t>(std::lround(share)));
+  const auto count = static_cast<std::size_t>(bag_size(options_, std::ssize(samples)));
   if (count >= samples.size()) return {samples.begin(), samples.end()};
   Random random(seed, kBagStream);
   return random_subset(samples, count, random);
@@ -169,29 +227,11 @@ void TreeGrower<Features, Statistics>::split_batch(const Tree& tree, std::size_t
                                                    Log& log) {
   const std::size_t first_node = log.size();
   std::vector<Split> splits(end_node - first_node);
-  std::vector<std::pair<std::size_t, std::size_t>> groups;  // ranges of small nodes
-  std::size_t group_samples = kSamplesPerGroup;
-  for (std::size_t node = first_node; node < end_node; ++node) {
-    const std::size_t samples = scored_samples(tree, node);
-    if (samples > kLargeNode) {
-      splits[node - first_node] = split_node(tree, node, seed, large_search_, parallel_for);
-      group_samples = kSamplesPerGroup;  // a group holds neighbours only
-      continue;
-    }
-    if (group_samples >= kSamplesPerGroup) {
-      groups.emplace_back(node, node);
-      group_samples = 0;
-    }
-    groups.back().second = node + 1;
-    group_samples += samples;
-  }
-  parallel_for(std::ssize(groups), [&](std::int64_t group) {
-    Search search;
-    const auto [first, end] = groups[static_cast<std::size_t>(group)];
-    for (std::size_t node = first; node < end; ++node) {
-      splits[node - first_node] = split_node(tree, node, seed, search, serial_for);
-    }
-  });
+  const auto scored = [&](std::size_t i) { return scored_samples(tree, first_node + i); };
+  search_nodes(splits.size(), scored, large_search_,
+               [&](std::size_t i, Search& search, typename Search::Loop loop) {
+                 splits[i] = split_node(tree, first_node + i, seed, search, loop);
+               });
   log.insert(log.end(), splits.begin(), splits.end());
 }
 
@@ -200,7 +240,7 @@ auto TreeGrower<Features, Statistics>::split_node(const Tree& tree, std::size_t 
                                                   Search& search, typename Search::Loop loop) const -> Split {
   const std::span<const std::uint32_t> samples = tree.samples_of(tree.nodes[node]);
   if (samples.size() < 2 * static_cast<std::size_t>(options_.min_leaf_samples)) return {};
-  Random random(seed, kBagStream + 1 + node);
+  Random random = stream_of_node(seed, node);
   const std::size_t scored = scored_samples(tree, node);
   if (scored == samples.size()) {
     return search.best_split(features_, statistics_, samples, options_, random, loop);
@@ -238,11 +278,8 @@ void TreeGrower<Features, Statistics>::add_children(Tree& tree, std::size_t firs
 template <SplitFeatures Features, SplitStatistics Statistics>
 std::uint32_t TreeGrower<Features, Statistics>::partition(Tree& tree, std::size_t node) const {
   const GrownNode<Feature>& split = tree.nodes[node];
-  const auto begin = tree.samples.begin() + split.begin;
-  const auto right = std::stable_partition(
-      begin, tree.samples.begin() + split.end,
-      [&](std::uint32_t sample) { return features_.value(sample, split.feature) < split.threshold; });
-  return split.begin + static_cast<std::uint32_t>(right - begin);
+  const std::span<std::uint32_t> samples(tree.samples);
+  return split.begin + partitioned(features_, split, samples.subspan(split.begin, split.end - split.begin));
 }
 
 }  // namespace knuckle

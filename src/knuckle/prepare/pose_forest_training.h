@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "knuckle/core/worker_group.h"
 #include "knuckle/patch/patch_extractor.h"
 #include "knuckle/pipeline/hand_finder.h"
 #include "knuckle/pipeline/start.h"
@@ -53,5 +55,10 @@ struct PoseForestTraining {
 /// of it can be used.
 PoseForestTraining run_training(const PoseForestTrainingConfig& config,
                                 const std::filesystem::path& checkpoint);
+
+/// The same by several workers, each of which cuts out a part of the frames: the model has the same bits.
+/// Worker 0 alone has a checkpoint, and gets what came out.
+std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& config,
+                                               const std::filesystem::path& checkpoint, WorkerGroup& workers);
 
 }  // namespace knuckle

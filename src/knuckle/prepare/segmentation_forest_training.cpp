@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/random.h"
+#include "knuckle/forest/shared_places.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/prepare/open_source.h"
 
@@ -90,7 +92,7 @@ std::vector<LabelledPixel> drawn_pixels(const Frame& frame, const PixelSamplingO
 }
 
 /// Reads the frames, on all threads.
-PixelSamples collect(const FrameSource& source, const std::vector<std::int64_t>& frames,
+PixelSamples collect(const FrameSource& source, std::span<const std::int64_t> frames,
                      const SegmentationForestTrainingConfig& config) {
   PixelSamples samples(std::ssize(frames));
   std::atomic<std::int64_t> bytes = 0;
@@ -145,6 +147,28 @@ SegmentationForestTraining run_training(const SegmentationForestTrainingConfig& 
   try {
     return {train_pixel_forest(samples, config.forest, run), std::ssize(frames), samples.sample_count(),
             samples.bytes(), seconds};
+  } catch (const Error& error) {
+    fail("{}: {}", config.source, error.what());
+  }
+}
+
+std::optional<SegmentationForestTraining> run_training(const SegmentationForestTrainingConfig& config,
+                                                       const TrainingRun& run, WorkerGroup& workers) {
+  const auto source = open_source(config.source);
+  const std::vector<std::int64_t> frames = drawn_frames(source->size(), config.pixels);
+  const PartOfWork part = part_of_worker(std::ssize(frames), workers.rank(), workers.size());
+  const Stopwatch watch;
+  PixelSamples samples = collect(
+      *source,
+      std::span(frames).subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())),
+      config);
+  const double seconds = watch.milliseconds() / 1000.0;
+  const std::int64_t pixels = sum_of_workers(workers, samples.sample_count()).total;
+  try {
+    auto forest = train_pixel_forest(workers, samples, part.begin, config.forest, run);
+    if (!forest) return std::nullopt;
+    return SegmentationForestTraining{std::move(*forest), std::ssize(frames), pixels, samples.bytes(),
+                                      seconds};
   } catch (const Error& error) {
     fail("{}: {}", config.source, error.what());
   }

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "knuckle/core/worker_group.h"
 #include "knuckle/forest/pixel_forest_trainer.h"
 #include "knuckle/pipeline/hand_finder.h"
 
@@ -54,5 +56,10 @@ struct SegmentationForestTraining {
 /// samples outgrow [forest] memory_gb (it says how many frames would fit).
 SegmentationForestTraining run_training(const SegmentationForestTrainingConfig& config,
                                         const TrainingRun& run);
+
+/// The same by several workers, each of which draws pixels of a part of the frames: the forest has the same
+/// bits. Worker 0 alone has a checkpoint, and gets what came out; sample_bytes are its own.
+std::optional<SegmentationForestTraining> run_training(const SegmentationForestTrainingConfig& config,
+                                                       const TrainingRun& run, WorkerGroup& workers);
 
 }  // namespace knuckle

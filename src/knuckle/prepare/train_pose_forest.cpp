@@ -16,13 +16,22 @@ bool is_missing(const PatchPoint& point) {
   return !(std::isfinite(point.u) && std::isfinite(point.v) && std::isfinite(point.d));
 }
 
+std::vector<double> target_weights(const Convention& convention, const PoseForestTrainingOptions& options) {
+  std::vector<double> weights;
+  for (std::size_t joint = 0; joint < convention.landmarks.size(); ++joint) {
+    weights.insert(weights.end(), {1.0, 1.0, options.depth_weight});
+  }
+  return weights;
+}
+
 }  // namespace
 
-PoseTrainingSet::PoseTrainingSet(std::int64_t count, const Convention& convention, PatchStatistics statistics)
+PoseTrainingSet::PoseTrainingSet(std::int64_t count, const Convention& convention, PatchStatistics statistics,
+                                 std::int64_t spare)
     : convention_(convention),
       statistics_(std::move(statistics)),
       samples_(count, statistics_.size_px * statistics_.size_px,
-               static_cast<int>(convention.landmarks.size()) * kTargetsPerLandmark) {}
+               static_cast<int>(convention.landmarks.size()) * kTargetsPerLandmark, {}, spare) {}
 
 PoseTrainingSet::Kept PoseTrainingSet::set(std::int64_t index, const HandPatch& patch,
                                            std::span<const PatchPoint> joints) {
@@ -55,12 +64,21 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
                                   const std::filesystem::path& checkpoint) {
   check_options(options, "pose forest training");
-  std::vector<double> target_weights;
-  for (std::size_t joint = 0; joint < set.convention().landmarks.size(); ++joint) {
-    target_weights.insert(target_weights.end(), {1.0, 1.0, options.depth_weight});
-  }
   return {set.convention(), set.statistics(),
-          train_regression_forest(set.samples(), options.forest, {.checkpoint = checkpoint}, target_weights)};
+          train_regression_forest(set.samples(), options.forest, {.checkpoint = checkpoint},
+                                  target_weights(set.convention(), options))};
+}
+
+std::optional<PoseForestModel> train_pose_forest(WorkerGroup& workers, PoseTrainingSet& set,
+                                                 std::int64_t first_number,
+                                                 const PoseForestTrainingOptions& options,
+                                                 const std::filesystem::path& checkpoint) {
+  check_options(options, "pose forest training");
+  auto forest =
+      train_regression_forest(workers, set.samples(), first_number, options.forest,
+                              {.checkpoint = checkpoint}, target_weights(set.convention(), options));
+  if (!forest) return std::nullopt;
+  return PoseForestModel{set.convention(), set.statistics(), std::move(*forest)};
 }
 
 }  // namespace knuckle

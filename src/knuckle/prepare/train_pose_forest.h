@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "knuckle/core/options.h"
+#include "knuckle/core/worker_group.h"
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/forest/forest_trainer.h"
 #include "knuckle/forest/training_samples.h"
@@ -29,8 +31,9 @@ class PoseTrainingSet {
  public:
   /// Room for `count` samples. `statistics` are those of the patches that will be set. A mean patch changes
   /// nothing for a forest: its features are differences of pixels, and each split has a threshold of its own.
-  /// Leave it empty.
-  PoseTrainingSet(std::int64_t count, const Convention& convention, PatchStatistics statistics);
+  /// Leave it empty. `spare`: samples that may come from other workers besides (TrainingSamples).
+  PoseTrainingSet(std::int64_t count, const Convention& convention, PatchStatistics statistics,
+                  std::int64_t spare = 0);
 
   /// Whether a sample takes part in the training.
   enum class Kept { yes, joint_missing };
@@ -43,6 +46,7 @@ class PoseTrainingSet {
 
   std::int64_t kept_count() const { return samples_.set_count(); }
   const TrainingSamples& samples() const { return samples_; }
+  TrainingSamples& samples() { return samples_; }
   const Convention& convention() const { return convention_; }
   const PatchStatistics& statistics() const { return statistics_; }
 
@@ -62,5 +66,13 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
 /// an Error where no sample was kept.
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
                                   const std::filesystem::path& checkpoint = {});
+
+/// Trains on the samples of all workers the forest that one process would train, bit by bit. `set` has this
+/// worker's, which move between the workers; its sample 0 has the number `first_number` among all. Worker 0
+/// alone has a checkpoint, and gets the forest.
+std::optional<PoseForestModel> train_pose_forest(WorkerGroup& workers, PoseTrainingSet& set,
+                                                 std::int64_t first_number,
+                                                 const PoseForestTrainingOptions& options,
+                                                 const std::filesystem::path& checkpoint = {});
 
 }  // namespace knuckle

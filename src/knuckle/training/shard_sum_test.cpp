@@ -1,65 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/shard_sum.h"
 
-#include <barrier>
-#include <thread>
-
 #include <torch/utils.h>
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/worker_group_testing.h"
 
 namespace knuckle {
 namespace {
 
-/// Workers that are threads of one process.
-class ThreadWorkers {
- public:
-  explicit ThreadWorkers(int size) : sent_(static_cast<std::size_t>(size)), all_(size) {}
-
-  class Worker final : public WorkerGroup {
-   public:
-    Worker(ThreadWorkers& group, int rank) : group_(group), rank_(rank) {}
-    int rank() const override { return rank_; }
-    int size() const override { return static_cast<int>(group_.sent_.size()); }
-    double seconds_in_exchange() const override { return 0.0; }
-
-    std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
-      const auto own = static_cast<std::size_t>(rank_);
-      group_.sent_[own] = std::move(sent);
-      group_.all_.arrive_and_wait();
-      std::vector<std::byte> received;
-      for (std::size_t k = 0; k < sizes.size(); ++k) {
-        const Messages& from = group_.sent_[k];
-        std::int64_t begin = 0;
-        for (std::size_t to = 0; to < own; ++to) begin += from.sizes[to];
-        EXPECT_EQ(from.sizes[own], sizes[k]) << "what is announced is what comes";
-        received.insert(received.end(), from.bytes.begin() + begin,
-                        from.bytes.begin() + begin + from.sizes[own]);
-      }
-      group_.all_.arrive_and_wait();
-      return received;
-    }
-
-   private:
-    ThreadWorkers& group_;
-    int rank_;
-  };
-
-  void run(const std::function<void(WorkerGroup&)>& work) {
-    std::vector<std::jthread> threads;
-    for (int rank = 0; rank < static_cast<int>(sent_.size()); ++rank) {
-      threads.emplace_back([this, rank, &work] {
-        Worker worker(*this, rank);
-        work(worker);
-      });
-    }
-  }
-
- private:
-  std::vector<Messages> sent_;
-  std::barrier<> all_;
-};
+using testing::ThreadWorkers;
 
 constexpr int kShards = 5;
 

@@ -110,11 +110,13 @@ class GlooWorkers final : public JoinedWorkers {
   int rank() const override { return place_.rank; }
   int size() const override { return place_.size; }
   double seconds_in_exchange() const override { return seconds_in_exchange_; }
+  std::int64_t bytes_sent() const override { return bytes_sent_; }
   bool has_seen_fault() const override { return watch_ && watch_->has_seen_fault(); }
 
   std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
     end_if_over();
     const Stopwatch watch;
+    bytes_sent_ += std::ssize(sent.bytes) - sent.sizes[static_cast<std::size_t>(place_.rank)];
     auto pending = std::make_unique<Pending>(std::move(sent), sizes);
     try {
       wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_sizes,
@@ -343,6 +345,7 @@ class GlooWorkers final : public JoinedWorkers {
   bool is_broken_ = false;
   bool is_notes_lost_ = false;
   double seconds_in_exchange_ = 0.0;
+  std::int64_t bytes_sent_ = 0;
 };
 
 }  // namespace

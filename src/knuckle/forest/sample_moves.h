@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/worker_messages.h"
+#include "knuckle/forest/shared_places.h"
+
+namespace knuckle {
+
+/// Where a worker keeps samples that may move to others: in slots.
+template <class T>
+concept SampleStore = requires(T store, const T& full, std::uint32_t slot, std::vector<std::byte>& message,
+                               MessageReader& reader) {
+  { full.message_bytes(slot) } -> std::same_as<std::size_t>;  // what `take` appends
+  store.take(slot, message);                                  // the slot is free then
+  { store.put(reader) } -> std::same_as<std::uint32_t>;       // the slot that was taken for it
+};
+
+/// Bytes that a worker sends in one go: both messages are held in memory while samples move.
+inline constexpr std::int64_t kMoveBytes = std::int64_t{8} << 20;
+
+/// Moves samples to the workers whose parts hold their places. `slots` are those of this worker that take
+/// part, `places` theirs among those of all workers (each place is held by one), `cuts` where the workers'
+/// parts begin, and the end. Returns the slots of this worker's part, in the order of places. All workers
+/// send the same share of what they have to send in one go, so that one that gets as many as it gives needs
+/// little more room than before.
+template <SampleStore Store>
+std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
+                                           std::span<const std::uint32_t> slots,
+                                           std::span<const std::int64_t> places,
+                                           std::span<const std::int64_t> cuts) {
+  const auto count = static_cast<std::size_t>(workers.size());
+  const auto rank = static_cast<std::size_t>(workers.rank());
+  const std::int64_t begin = cuts[rank];
+  std::vector<std::uint32_t> arranged(static_cast<std::size_t>(cuts[rank + 1] - begin));
+  std::vector<std::vector<std::size_t>> leaving(count);
+  std::int64_t bytes = 0;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const auto target = static_cast<std::size_t>(worker_of_place(cuts, places[i]));
+    if (target == rank) {
+      arranged[static_cast<std::size_t>(places[i] - begin)] = slots[i];
+    } else {
+      leaving[target].push_back(i);
+      bytes += static_cast<std::int64_t>(store.message_bytes(slots[i]));
+    }
+  }
+  const std::vector<std::int64_t> all_bytes = values_of_all(workers, bytes);
+  const auto rounds = static_cast<int>((*std::ranges::max_element(all_bytes) + kMoveBytes - 1) / kMoveBytes);
+  for (int round = 0; round < rounds; ++round) {
+    OwnMessages sent(count);
+    for (std::size_t worker = 0; worker < count; ++worker) {
+      const PartOfWork part = part_of_worker(std::ssize(leaving[worker]), round, rounds);
+      for (std::int64_t k = part.begin; k < part.end; ++k) {
+        const std::size_t i = leaving[worker][static_cast<std::size_t>(k)];
+        append_value(sent[worker], places[i]);
+        store.take(slots[i], sent[worker]);
+      }
+    }
+    const ReceivedMessages received = exchanged(workers, std::move(sent));
+    MessageReader reader(received.bytes);
+    while (!reader.is_at_end()) {
+      const auto place = reader.value<std::int64_t>();
+      if (place < begin || place >= cuts[rank + 1]) {
+        fail("a worker's message: a sample with place {}, expected [{}, {})", place, begin, cuts[rank + 1]);
+      }
+      arranged[static_cast<std::size_t>(place - begin)] = store.put(reader);
+    }
+  }
+  return arranged;
+}
+
+}  // namespace knuckle

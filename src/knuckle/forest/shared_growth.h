@@ -1,0 +1,478 @@
+// SPDX-License-Identifier: Apache-2.0
+// Growing a tree whose samples are spread over several workers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "knuckle/core/error.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
+#include "knuckle/core/worker_messages.h"
+#include "knuckle/forest/sample_cuts.h"
+#include "knuckle/forest/shared_places.h"
+#include "knuckle/forest/tree_grower.h"
+
+namespace knuckle {
+
+/// A worker's samples, in the canonical order of all.
+struct OwnSamples {
+  std::vector<std::uint32_t> samples;
+  SumOfWorkers count;  ///< of samples: of all workers, and of those before this one
+};
+
+/// A worker's part of a tree: all nodes, with its own samples of each.
+template <class Feature>
+struct SharedTree {
+  GrownTree<Feature> own;
+  std::vector<NodeShare> shares;  ///< one per node
+};
+
+/// Moves samples so that each worker has those whose places lie in its part, and returns them in that order:
+/// moved_to_places. Empty where samples stay with their workers.
+using MoveSamples = std::function<std::vector<std::uint32_t>(std::span<const std::uint32_t> samples,
+                                                             std::span<const std::int64_t> places,
+                                                             std::span<const std::int64_t> cuts)>;
+
+/// Grows the tree that TreeGrower would grow from the samples of all workers, level by level. A tree's list
+/// of samples is cut into one part per worker.
+///
+/// A node whose samples lie with one worker is searched there. Of one that several share, the scored samples
+/// (what candidates read of them, and their targets) are sent to one of the workers, which searches it; such
+/// nodes are dealt out by their scored samples. All get all splits, and part their own samples by them. Where
+/// samples can be moved, they then move to where the list of the next level has them: as soon as a node is
+/// small, one worker has all of it.
+template <SharedFeatures Features, SharedStatistics Statistics>
+class SharedTreeGrower {
+ public:
+  using Feature = typename Features::Feature;
+  using Tree = SharedTree<Feature>;
+  using Log = SplitLog<Feature>;
+
+  SharedTreeGrower(WorkerGroup& workers, const Features& features, const Statistics& statistics,
+                   const TreeOptions& options, MoveSamples move)
+      : workers_(workers),
+        features_(features),
+        statistics_(statistics),
+        options_(options),
+        move_(std::move(move)) {}
+
+  /// See TreeGrower. All workers have the same log; `nodes_done` is called by all.
+  Tree grow(const OwnSamples& samples, std::uint64_t seed, Progress& progress, Log& log,
+            const std::function<void(const Log&)>& nodes_done);
+
+  static constexpr std::int64_t kStepsPerLevel = TreeGrower<Features, Statistics>::kStepsPerLevel;
+
+ private:
+  using Split = NodeSplit<Feature>;
+  using Search = SplitSearch<Features, Statistics>;
+  using Block = typename Features::Block;
+
+  /// Splits are searched in batches of about this many scored samples per worker, of which about so much is
+  /// sent to each.
+  static constexpr std::int64_t kSamplesPerBatch = 1 << 18;
+  static constexpr std::int64_t kBytesPerBatch = std::int64_t{8} << 20;
+  /// Nobody: the node is too small to be split.
+  static constexpr int kNobody = -1;
+
+  /// Nodes [first, end) and who searches each.
+  struct Batch {
+    std::size_t first = 0;
+    std::size_t end = 0;
+    std::vector<int> searcher;
+
+    int searcher_of(std::size_t node) const { return searcher[node - first]; }
+  };
+
+  /// A node that this worker searches, with what others have sent of its scored samples: the targets of each,
+  /// then its features; empty where this worker has all of them itself.
+  struct Job {
+    std::size_t node = 0;
+    std::vector<const std::int16_t*> entries;
+  };
+
+  /// Samples that were received, as features: sample i is the i-th entry.
+  class ReceivedFeatures {
+   public:
+    ReceivedFeatures(const Features& features, std::span<const std::int16_t* const> entries,
+                     std::size_t targets)
+        : features_(features), entries_(entries), targets_(targets) {}
+    void begin_node(Random& random, const TreeOptions& options, Block& block) const {
+      features_.begin_node(random, options, block);
+    }
+    void gather(std::span<const std::uint32_t> samples, typename Search::Loop loop, Block& block) const {
+      std::vector<const std::int16_t*> rows;
+      rows.reserve(samples.size());
+      for (const std::uint32_t sample : samples) rows.push_back(entries_[sample] + targets_);
+      copy_rows(rows, features_.row_length(block), loop, Features::rows_of(block));
+    }
+    auto draw(Random& random, int index, int count, const Block& block) const {
+      return features_.draw(random, index, count, block);
+    }
+
+   private:
+    const Features& features_;
+    std::span<const std::int16_t* const> entries_;
+    std::size_t targets_;
+  };
+
+  void start(const OwnSamples& samples, std::uint64_t seed);
+  Batch next_batch(std::size_t first) const;
+  void split_batch(const Batch& batch, std::uint64_t seed, Log& log);
+  bool has_shared_nodes(const Batch& batch) const;
+  std::vector<std::byte> sent_samples(const Batch& batch, int worker, std::uint64_t seed) const;
+  std::vector<std::uint32_t> scored_of_own(std::size_t node, Random& random) const;
+  std::vector<Job> jobs_of(const Batch& batch, const ReceivedMessages& received) const;
+  Split searched(const Job& job, std::uint64_t seed, Search& search, typename Search::Loop loop) const;
+  void share_splits(const Batch& batch, const std::vector<Job>& jobs, std::vector<Split>& splits) const;
+  void add_children(std::size_t first_node, std::span<const Split> splits);
+  void move_samples();
+  std::size_t scored(std::size_t node) const {
+    return static_cast<std::size_t>(
+        std::min<std::int64_t>(tree_.shares[node].total, options_.samples_per_node));
+  }
+  /// Numbers that are sent of a sample.
+  std::size_t entry_length(const Block& block) const {
+    return statistics_.target_length() + features_.row_length(block);
+  }
+  std::size_t entry_length() const {
+    Block block;
+    Random random(0);
+    features_.begin_node(random, options_, block);
+    return entry_length(block);
+  }
+
+  WorkerGroup& workers_;
+  const Features& features_;
+  const Statistics& statistics_;
+  TreeOptions options_;
+  MoveSamples move_;
+  Tree tree_;
+  SampleCuts cuts_;
+  Search large_search_;
+};
+
+template <SharedFeatures Features, SharedStatistics Statistics>
+auto SharedTreeGrower<Features, Statistics>::grow(const OwnSamples& samples, std::uint64_t seed,
+                                                  Progress& progress, Log& log,
+                                                  const std::function<void(const Log&)>& nodes_done) -> Tree {
+  start(samples, seed);
+  const std::int64_t bag = tree_.shares[0].total;
+  std::size_t first_node = 0;
+  for (int depth = 0; depth < options_.max_depth; ++depth) {
+    const std::size_t level_end = tree_.own.nodes.size();
+    std::int64_t steps_left = kStepsPerLevel;
+    while (log.size() < level_end) {
+      const Batch batch = next_batch(log.size());
+      split_batch(batch, seed, log);
+      std::int64_t done = 0;
+      for (std::size_t node = batch.first; node < batch.end; ++node) done += tree_.shares[node].total;
+      const std::int64_t steps = std::min(steps_left, kStepsPerLevel * done / bag);
+      progress.advance(steps);
+      steps_left -= steps;
+      nodes_done(log);
+    }
+    if (first_node < level_end) {
+      add_children(first_node, std::span(log).subspan(first_node, level_end - first_node));
+      if (move_) move_samples();
+    }
+    first_node = level_end;
+    progress.advance(steps_left);
+  }
+  return std::move(tree_);
+}
+
+/// The root, and this worker's part of the samples that the tree sees.
+template <SharedFeatures Features, SharedStatistics Statistics>
+void SharedTreeGrower<Features, Statistics>::start(const OwnSamples& samples, std::uint64_t seed) {
+  tree_ = {};
+  const std::int64_t all = samples.count.total;
+  const std::int64_t count = bag_size(options_, all);
+  std::int64_t before = samples.count.before;
+  if (count >= all) {
+    tree_.own.samples = samples.samples;
+  } else {
+    Random random(seed, kBagStream);
+    before = 0;
+    for_each_drawn(all, count, random, [&](std::int64_t place) {
+      const std::int64_t own = place - samples.count.before;
+      if (own < 0) {
+        ++before;
+      } else if (own < std::ssize(samples.samples)) {
+        tree_.own.samples.push_back(samples.samples[static_cast<std::size_t>(own)]);
+      }
+    });
+  }
+  tree_.own.nodes.push_back({.end = static_cast<std::uint32_t>(tree_.own.samples.size())});
+  tree_.shares = summed_shares(workers_, std::vector<std::uint32_t>{tree_.own.nodes[0].end});
+  cuts_ = SampleCuts(values_of_all(workers_, before), count);
+}
+
+template <SharedFeatures Features, SharedStatistics Statistics>
+auto SharedTreeGrower<Features, Statistics>::next_batch(std::size_t first) const -> Batch {
+  const auto entry_bytes = static_cast<std::int64_t>(entry_length() * sizeof(std::int16_t));
+  // Each worker shall have something to do.
+  const std::int64_t most_bytes = std::max(kBytesPerBatch, options_.samples_per_node * entry_bytes);
+  Batch batch{.first = first, .end = first, .searcher = {}};
+  std::int64_t samples = 0;
+  std::int64_t shared_samples = 0;
+  while (batch.end < tree_.shares.size() && samples < kSamplesPerBatch * workers_.size() &&
+         shared_samples * entry_bytes < most_bytes * workers_.size()) {
+    const std::size_t node = batch.end++;
+    samples += static_cast<std::int64_t>(scored(node));
+    if (tree_.shares[node].holder == NodeShare::kSeveral) {
+      shared_samples += static_cast<std::int64_t>(scored(node));
+    }
+  }
+  std::int64_t dealt = 0;
+  for (std::size_t node = first; node < batch.end; ++node) {
+    const NodeShare& share = tree_.shares[node];
+    if (share.total < 2 * std::int64_t{options_.min_leaf_samples}) {
+      batch.searcher.push_back(kNobody);
+    } else if (share.holder != NodeShare::kSeveral) {
+      batch.searcher.push_back(share.holder);
+    } else {
+      batch.searcher.push_back(static_cast<int>(dealt * workers_.size() / shared_samples));
+    }
+    if (share.holder == NodeShare::kSeveral) dealt += static_cast<std::int64_t>(scored(node));
+  }
+  return batch;
+}
+
+/// Adds the splits of a batch to the log.
+template <SharedFeatures Features, SharedStatistics Statistics>
+void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std::uint64_t seed, Log& log) {
+  ReceivedMessages received;
+  if (has_shared_nodes(batch)) {
+    OwnMessages sent;
+    for (int worker = 0; worker < workers_.size(); ++worker) {
+      sent.push_back(sent_samples(batch, worker, seed));
+    }
+    received = exchanged(workers_, std::move(sent));
+  }
+  const std::vector<Job> jobs = jobs_of(batch, received);
+  std::vector<Split> splits(batch.end - batch.first);
+  search_nodes(
+      jobs.size(), [&](std::size_t i) { return scored(jobs[i].node); }, large_search_,
+      [&](std::size_t i, Search& search, typename Search::Loop loop) {
+        splits[jobs[i].node - batch.first] = searched(jobs[i], seed, search, loop);
+      });
+  share_splits(batch, jobs, splits);
+  log.insert(log.end(), splits.begin(), splits.end());
+}
+
+/// Whether samples of other workers are needed.
+template <SharedFeatures Features, SharedStatistics Statistics>
+bool SharedTreeGrower<Features, Statistics>::has_shared_nodes(const Batch& batch) const {
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (tree_.shares[node].holder == NodeShare::kSeveral && batch.searcher_of(node) != kNobody) return true;
+  }
+  return false;
+}
+
+/// Which of this worker's samples of a node score its candidates.
+template <SharedFeatures Features, SharedStatistics Statistics>
+std::vector<std::uint32_t> SharedTreeGrower<Features, Statistics>::scored_of_own(std::size_t node,
+                                                                                 Random& random) const {
+  const NodeShare& share = tree_.shares[node];
+  const std::span<const std::uint32_t> own = tree_.own.samples_of(tree_.own.nodes[node]);
+  const auto count = static_cast<std::int64_t>(scored(node));
+  if (count == share.total) return {own.begin(), own.end()};
+  std::vector<std::uint32_t> drawn;
+  for_each_drawn(share.total, count, random, [&](std::int64_t place) {
+    if (place < share.before || place >= share.before + std::ssize(own)) return;
+    drawn.push_back(own[static_cast<std::size_t>(place - share.before)]);
+  });
+  return drawn;
+}
+
+/// What a worker is sent of the nodes that it searches: how many samples this one has of each, then for each
+/// sample its targets and what candidates read of it.
+template <SharedFeatures Features, SharedStatistics Statistics>
+std::vector<std::byte> SharedTreeGrower<Features, Statistics>::sent_samples(const Batch& batch, int worker,
+                                                                            std::uint64_t seed) const {
+  std::vector<std::size_t> nodes;
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (tree_.shares[node].holder == NodeShare::kSeveral && batch.searcher_of(node) == worker) {
+      nodes.push_back(node);
+    }
+  }
+  if (nodes.empty()) return {};
+  std::vector<std::vector<std::uint32_t>> samples(nodes.size());
+  std::vector<Block> blocks(nodes.size());
+  parallel_for(std::ssize(nodes), [&](std::int64_t i) {
+    const auto place = static_cast<std::size_t>(i);
+    Random random = stream_of_node(seed, nodes[place]);
+    samples[place] = scored_of_own(nodes[place], random);
+    if (!samples[place].empty()) features_.begin_node(random, options_, blocks[place]);
+  });
+  const std::size_t length = entry_length();
+  std::vector<std::byte> message;
+  std::vector<std::size_t> begin(nodes.size());
+  std::size_t entries = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    append_value(message, static_cast<std::uint32_t>(samples[i].size()));
+    begin[i] = entries;
+    entries += samples[i].size();
+  }
+  const std::size_t header = message.size();
+  message.resize(header + entries * length * sizeof(std::int16_t));
+  // Vectors of bytes are aligned for any number, and the header's length is even.
+  auto* const numbers = reinterpret_cast<std::int16_t*>(message.data() + header);
+  constexpr std::size_t kEntriesPerTask = 256;
+  std::vector<std::pair<std::size_t, std::size_t>> tasks;  // node, and the first of its samples
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (std::size_t k = 0; k < samples[i].size(); k += kEntriesPerTask) tasks.emplace_back(i, k);
+  }
+  parallel_for(std::ssize(tasks), [&](std::int64_t task) {
+    const auto [i, first] = tasks[static_cast<std::size_t>(task)];
+    const std::size_t end = std::min(first + kEntriesPerTask, samples[i].size());
+    for (std::size_t k = first; k < end; ++k) {
+      std::int16_t* const entry = numbers + (begin[i] + k) * length;
+      statistics_.read_target(samples[i][k], entry);
+      features_.read_row(samples[i][k], blocks[i], entry + statistics_.target_length());
+    }
+  });
+  return message;
+}
+
+/// The nodes that this worker searches, those that it has alone and those of which samples were sent.
+template <SharedFeatures Features, SharedStatistics Statistics>
+auto SharedTreeGrower<Features, Statistics>::jobs_of(const Batch& batch,
+                                                     const ReceivedMessages& received) const
+    -> std::vector<Job> {
+  std::vector<Job> jobs;
+  std::vector<std::size_t> shared;  // of the jobs
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (batch.searcher_of(node) != workers_.rank()) continue;
+    if (tree_.shares[node].holder == NodeShare::kSeveral) shared.push_back(jobs.size());
+    jobs.push_back({node, {}});
+  }
+  const std::size_t length = entry_length();
+  for (const std::span<const std::byte> message : received.parts) {  // in the order of the workers
+    MessageReader reader(message);
+    std::vector<std::uint32_t> counts(shared.size());
+    reader.read(std::span(counts));
+    for (std::size_t i = 0; i < shared.size(); ++i) {
+      for (std::uint32_t k = 0; k < counts[i]; ++k) {
+        const std::span<const std::byte> entry = reader.bytes(length * sizeof(std::int16_t));
+        jobs[shared[i]].entries.push_back(reinterpret_cast<const std::int16_t*>(entry.data()));
+      }
+    }
+  }
+  for (const std::size_t job : shared) {
+    if (jobs[job].entries.size() != scored(jobs[job].node)) {
+      fail("workers have sent {} samples of node {}, expected {}", jobs[job].entries.size(), jobs[job].node,
+           scored(jobs[job].node));
+    }
+  }
+  return jobs;
+}
+
+template <SharedFeatures Features, SharedStatistics Statistics>
+auto SharedTreeGrower<Features, Statistics>::searched(const Job& job, std::uint64_t seed, Search& search,
+                                                      typename Search::Loop loop) const -> Split {
+  Random random = stream_of_node(seed, job.node);
+  const std::vector<std::uint32_t> samples = scored_of_own(job.node, random);  // takes the random numbers
+  if (job.entries.empty()) {
+    return search.best_split(features_, statistics_, samples, options_, random, loop);
+  }
+  const auto received = statistics_.received(job.entries);
+  std::vector<std::uint32_t> all(job.entries.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return search.best_split(ReceivedFeatures(features_, job.entries, statistics_.target_length()),
+                           received.statistics(), all, options_, random, loop);
+}
+
+/// Fills in what the others have found.
+template <SharedFeatures Features, SharedStatistics Statistics>
+void SharedTreeGrower<Features, Statistics>::share_splits(const Batch& batch, const std::vector<Job>& jobs,
+                                                          std::vector<Split>& splits) const {
+  std::vector<std::byte> own;
+  for (const Job& job : jobs) append_value(own, splits[job.node - batch.first]);
+  std::vector<std::int64_t> sizes(static_cast<std::size_t>(workers_.size()));
+  for (const int searcher : batch.searcher) {
+    if (searcher != kNobody) sizes[static_cast<std::size_t>(searcher)] += std::int64_t{sizeof(Split)};
+  }
+  const ReceivedMessages received =
+      exchanged(workers_, OwnMessages(static_cast<std::size_t>(workers_.size()), own), sizes);
+  std::vector<MessageReader> readers(received.parts.begin(), received.parts.end());
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    const int searcher = batch.searcher_of(node);
+    if (searcher == kNobody) continue;
+    splits[node - batch.first] = readers[static_cast<std::size_t>(searcher)].template value<Split>();
+  }
+}
+
+template <SharedFeatures Features, SharedStatistics Statistics>
+void SharedTreeGrower<Features, Statistics>::add_children(std::size_t first_node,
+                                                          std::span<const Split> splits) {
+  std::vector<GrownNode<Feature>>& nodes = tree_.own.nodes;
+  std::vector<std::uint32_t> left(splits.size());
+  parallel_for(std::ssize(splits), [&](std::int64_t i) {
+    const Split& split = splits[static_cast<std::size_t>(i)];
+    if (split.gain <= 0.0F) return;
+    GrownNode<Feature>& node = nodes[first_node + static_cast<std::size_t>(i)];
+    node.feature = split.feature;
+    node.threshold = split.threshold;
+    left[static_cast<std::size_t>(i)] =
+        partitioned(features_, node, std::span(tree_.own.samples).subspan(node.begin, node.end - node.begin));
+  });
+  std::vector<std::uint32_t> own;
+  const std::size_t first_child = nodes.size();
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    if (splits[i].gain <= 0.0F) continue;
+    const GrownNode<Feature> parent = nodes[first_node + i];
+    nodes[first_node + i].left = static_cast<std::int32_t>(nodes.size());
+    const std::uint32_t middle = parent.begin + left[i];
+    nodes.push_back({.begin = parent.begin, .end = middle});
+    nodes.push_back({.begin = middle, .end = parent.end});
+    own.insert(own.end(), {left[i], parent.end - middle});
+  }
+  std::vector<NodeShare> shares = summed_shares(workers_, own);
+  std::size_t child = 0;
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    if (splits[i].gain <= 0.0F) continue;
+    shares[child].first = tree_.shares[first_node + i].first;
+    shares[child + 1].first = shares[child].first + shares[child].total;
+    child += 2;
+  }
+  tree_.shares.resize(first_child);
+  tree_.shares.insert(tree_.shares.end(), shares.begin(), shares.end());
+}
+
+/// Moves the samples to where the list has them now, and cuts it where no small node is shared.
+template <SharedFeatures Features, SharedStatistics Statistics>
+void SharedTreeGrower<Features, Statistics>::move_samples() {
+  std::vector<GrownNode<Feature>>& nodes = tree_.own.nodes;
+  if (cuts_.are_final()) return;
+  std::vector<std::int64_t> places(tree_.own.samples.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].left >= 0) continue;
+    const std::int64_t first = tree_.shares[i].first + tree_.shares[i].before;
+    std::iota(places.begin() + nodes[i].begin, places.begin() + nodes[i].end, first);
+  }
+  cuts_.follow(nodes, tree_.shares);
+  tree_.own.samples = move_(tree_.own.samples, places, cuts_.places());
+  const std::int64_t begin = cuts_.places()[static_cast<std::size_t>(workers_.rank())];
+  const std::int64_t end = cuts_.places()[static_cast<std::size_t>(workers_.rank()) + 1];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    NodeShare& share = tree_.shares[i];
+    const auto within = [&](std::int64_t place) { return std::clamp(place, begin, end) - begin; };
+    nodes[i].begin = static_cast<std::uint32_t>(within(share.first));
+    nodes[i].end = static_cast<std::uint32_t>(within(share.first + share.total));
+    share.before = std::clamp<std::int64_t>(begin - share.first, 0, share.total);
+    const int first_holder = worker_of_place(cuts_.places(), share.first);
+    const int last_holder = worker_of_place(cuts_.places(), share.first + share.total - 1);
+    share.holder = first_holder == last_holder ? first_holder : NodeShare::kSeveral;
+  }
+}
+
+}  // namespace knuckle

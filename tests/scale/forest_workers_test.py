@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Forests trained by several processes: the same bytes for any number of workers, killed and resumed with another; and each way in
+which one of them is missing, lost or different ends all with one line.
+
+    forest_workers_test.py CASE PROGRAM
+"""
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from workers_test import LONGEST_S, PROJECT, SKIPPED, Place, ended, failed_with, free_port, met, succeeded
+
+KINDS = ("pose-forest", "segmentation-forest")
+CONFIG = {
+    "pose-forest": """
+source = 'synthetic:{manifest}?count={frames}'
+[patch]
+size_px = 24
+[forest]
+splits_per_node = {splits}
+samples_per_node = 40
+min_leaf_samples = 2
+""",
+    "segmentation-forest": """
+source = 'synthetic:{manifest}?count={frames}'
+[pixels]
+hand_pixels = 60
+background_pixels = 30
+[forest]
+splits_per_node = {splits}
+offsets_per_node = 32
+samples_per_node = 1500
+min_leaf_samples = 2
+""",
+}
+
+
+class ForestPlace(Place):
+    """A folder with configurations of forests, and the program that trains from them."""
+
+    def forest(self, kind, out, workers, *more, trees=2, frames=40, splits=60, config="train.toml"):
+        text = CONFIG[kind].format(manifest=PROJECT / "manifests/demo.toml", frames=frames, splits=splits)
+        (self.folder / config).write_text(f"{text}trees = {trees}\n")
+        return [self.program, "train", kind, "--config", self.folder / config, "--out", self.folder / out, "--workers",
+                str(workers), *more]
+
+    def forget(self, out):
+        for name in (out, f"{out}.checkpoint", f"{out}.checkpoint.tree"):
+            (self.folder / name).unlink(missing_ok=True)
+
+
+def same_bytes(place):
+    for kind in KINDS:
+        for workers in (1, 2, 4):
+            out = succeeded(place.start(place.forest(kind, f"{workers}.model", workers)))
+            place.assert_all_end()
+            assert workers == 1 or f"{workers} workers;" in out, out
+        assert place.bytes_of("1.model") == place.bytes_of("2.model") == place.bytes_of("4.model"), kind
+        assert not (place.folder / "4.model.checkpoint").exists()
+
+
+def resumed(place):
+    for kind in KINDS:
+        long = {"trees": 30, "splits": 400}
+        succeeded(place.start(place.forest(kind, "whole.model", 1, **long)))
+        for before, after in ((2, 4), (4, 1), (1, 2)):
+            process = place.start(place.forest(kind, "parts.model", before, **long))
+            place.wait_for_checkpoint("parts.model", process)
+            process.kill()
+            assert ended(process)[0] == -signal.SIGKILL, "faster than its killer"
+            while place.started_workers():
+                time.sleep(0.05)
+            succeeded(place.start(place.forest(kind, "parts.model", after, "--resume", **long)))
+            assert place.bytes_of("parts.model") == place.bytes_of("whole.model"), (kind, before, after)
+            place.forget("parts.model")
+
+
+def lost_worker(place):
+    for kind in KINDS:
+        process = place.start(place.forest(kind, "f.model", 3, trees=250))
+        place.wait_for_checkpoint("f.model", process)
+        os.kill(place.started_workers()[1], signal.SIGKILL)
+        failed_with(process, "worker 1 of 3 was ended by signal 9", "--resume")
+        place.assert_all_end()
+        assert (place.folder / "f.model.checkpoint").exists(), "what was done is kept"
+        place.forget("f.model")
+        process = place.start(place.forest(kind, "f.model", 2, trees=250))
+        place.wait_for_checkpoint("f.model", process)
+        for worker in (process.pid, *place.started_workers().values()):
+            os.kill(worker, signal.SIGINT)
+        failed_with(process, "interrupted after", "--resume")
+        place.assert_all_end()
+        place.forget("f.model")
+
+
+def missing_worker(place):
+    for kind in KINDS:
+        failed_with(place.start(place.forest(kind, "f.model", 2, "--wait", "5"), **met(0, 2, free_port())),
+                    "worker 1 of 2 did not come", "5 s")
+        failed_with(place.start(place.forest(kind, "f.model", 3), **met(0, 2, free_port())), "--workers 2")
+    assert not (place.folder / "f.model").exists()
+
+
+def other_options(place):
+    kind = KINDS[0]
+    port = free_port()
+    other = place.start(place.forest(kind, "f.model", 2, config="other.toml", trees=7), **met(1, 2, port))
+    failed_with(place.start(place.forest(kind, "f.model", 2), **met(0, 2, port)), "worker 1 of 2", "other options")
+    assert ended(other)[0] == 1
+    port = free_port()
+    other = place.start(place.forest(kind, "f.model", 2), **met(1, 2, port))
+    succeeded(place.start(place.forest(kind, "f.model", 2), **met(0, 2, port)))
+    status, out, lines, _ = ended(other)
+    assert status == 0 and not out and not lines, "worker 0 alone speaks"
+    # A checkpoint of other samples is refused by worker 0, and all end.
+    process = place.start(place.forest(kind, "g.model", 2, trees=250))
+    place.wait_for_checkpoint("g.model", process)
+    process.kill()
+    ended(process)
+    place_is_empty = place.forest(kind, "g.model", 2, "--resume", trees=250, frames=30)
+    failed_with(place.start(place_is_empty), "g.model.checkpoint", "other options or samples")
+    place.assert_all_end()
+
+
+def bad_source(place):
+    """What only one worker meets is said by its name."""
+    bad = place.forest(KINDS[1], "f.model", 2)
+    text = (place.folder / "train.toml").read_text()
+    (place.folder / "train.toml").write_text(text.replace("[pixels]", "[pixels]\nwrist_mm = 30.0").replace("synthetic:", "synthetic:/none"))
+    failed_with(place.start(bad), "/none")
+    place.assert_all_end()
+
+
+def full_disk(place):
+    for kind in KINDS:
+        command = place.forest(kind, "f.model", 2, trees=60, splits=20)
+        limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   restore_signals=False,  # a write beyond the limit fails, as on a full disk
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))
+        failed_with(limited, "f.model")
+        place.assert_all_end()
+
+
+def slurm(place):
+    missing = [name for name in ("slurmctld", "slurmd", "srun") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
+    if missing or os.geteuid() != 0:
+        print(f"skipped: {missing[0]} is missing" if missing else "skipped: Slurm's daemons are started by root alone")
+        sys.exit(SKIPPED)
+    cluster = place.folder / "slurm"
+
+    def say(what):
+        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, cluster], check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"}, timeout=LONGEST_S)
+
+    say("start")
+    try:
+        for kind in KINDS:
+            step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *place.forest(kind, f"{kind}.two", 2)]
+            succeeded(place.start(step, SLURM_CONF=str(cluster / "slurm.conf"), MASTER_ADDR="127.0.0.1"))
+    finally:
+        say("stop")
+    for kind in KINDS:
+        succeeded(place.start(place.forest(kind, f"{kind}.one", 1)))
+        assert place.bytes_of(f"{kind}.one") == place.bytes_of(f"{kind}.two"), kind
+
+
+CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, bad_source, full_disk, slurm)}
+
+
+def main():
+    case, program = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as name:
+        CASES[case](ForestPlace(pathlib.Path(program).resolve(), pathlib.Path(name)))
+
+
+if __name__ == "__main__":
+    main()
