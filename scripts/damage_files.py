@@ -4,7 +4,7 @@
 that starts with "knuckle: " where it is 1, print nothing that a terminal would take for a command, and need less than
 10 s and 1 GB.
 
-    python3 scripts/damage_files.py COUNT [--program build/release/bin/knuckle] [--seed 1] [--jobs 1] [--keep FOLDER]
+    python3 scripts/damage_files.py COUNT [--program build/release/bin/knuckle] [--first 0] [--seed 1] [--jobs 1] [--keep FOLDER]
 
 Prints how many runs each reader had and how many of them were refused; status 1 where a run broke a rule, whose file is
 kept in --keep.
@@ -358,6 +358,7 @@ def main():
     parser.add_argument("count", type=int)
     parser.add_argument("--program", default=str(PROJECT / "build/release/bin/knuckle"))
     parser.add_argument("--seed", default="1")
+    parser.add_argument("--first", type=int, default=0, help="number of the first run: a long list may be run in parts")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--only", default="", help="only readers whose name holds this")
     parser.add_argument("--keep", type=pathlib.Path)
@@ -375,12 +376,14 @@ def main():
                 pool.submit(
                     in_turn, arguments.program, readers[i % len(readers)], i, arguments.seed, root / "runs", arguments.keep
                 )
-                for i in range(arguments.count)
+                for i in range(arguments.first, arguments.first + arguments.count)
             ]
             for job in concurrent.futures.as_completed(jobs):
                 name, status, fault, number = job.result()
                 runs[name] += 1
                 refused[name] += status == 1
+                if sum(runs.values()) % 500 == 0:
+                    print(f"{sum(runs.values())} of {arguments.count}", file=sys.stderr)
                 if fault:
                     faults.append(f"{name}, run {number}: {fault}")
                     print(faults[-1], file=sys.stderr)
