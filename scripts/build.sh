@@ -4,5 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
+# Paths below this folder count relatively, so that ccache knows what another checkout has compiled.
+export CCACHE_BASEDIR=$PWD
 cmake --preset "$preset" --log-level=WARNING "${@:2}"
 cmake --build --preset "$preset"
