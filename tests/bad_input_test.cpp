@@ -14,9 +14,7 @@ namespace knuckle::testing {
 namespace {
 
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr const char* kDemoManifest = "manifests/demo.toml";

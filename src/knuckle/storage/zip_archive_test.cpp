@@ -10,7 +10,6 @@
 namespace knuckle {
 namespace {
 
-using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 
