@@ -172,6 +172,11 @@ void print_scores(const std::vector<FollowedScore>& scores) {
                score.found, score.right_side, score.invented, score.switches, score.losses,
                score.longest_loss, score.mean_3d_mm);
   }
+  for (const FollowedScore& score : scores) {
+    if (score.reliability.joints == 0) continue;
+    fmt::print("{}: confidences differ from the share of joints within {:.0f} mm by {:.1f} % on average\n",
+               score.name, kReliableMm, 100.0 * score.reliability.error);
+  }
 }
 
 void write_options(const EvaluateArguments& arguments, const std::filesystem::path& output) {
