@@ -26,7 +26,7 @@ Figure joints_2d_figure(const Evaluation& evaluation);
 Figure overlap_figure(std::span<const SegmentationScore> scores);
 
 /// The share of joints within kReliableMm over their confidence, a curve per method that gives confidences,
-/// and the diagonal that calibrated ones lie on.
+/// and the diagonal that calibrated ones lie on. Tenths with fewer than 20 joints are left out.
 Figure reliability_figure(std::span<const FollowedScore> scores);
 
 }  // namespace knuckle
