@@ -86,9 +86,8 @@ class ShippedNetwork : public ::testing::TestWithParam<const char*> {
 
 class ShippedPoseNetwork : public ShippedNetwork {};
 
-INSTANTIATE_TEST_SUITE_P(Onnx, ShippedNetwork,
-                         ::testing::Values("dense", "dense_hands", "dense_scenes", "detector"));
-INSTANTIATE_TEST_SUITE_P(Onnx, ShippedPoseNetwork, ::testing::Values("dense", "dense_hands", "dense_scenes"));
+INSTANTIATE_TEST_SUITE_P(Onnx, ShippedNetwork, ::testing::Values("dense", "dense_scenes", "detector"));
+INSTANTIATE_TEST_SUITE_P(Onnx, ShippedPoseNetwork, ::testing::Values("dense", "dense_scenes"));
 
 TEST_P(ShippedNetwork, PassesTheCheckerOfTheOnnxLibrary) {
   const std::string program = KNUCKLE_PYTHON;

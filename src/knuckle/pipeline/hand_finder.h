@@ -21,6 +21,9 @@ struct HandOptions {
   /// A pose whose joints have less confidence on average is not sure, [0, 1]; a pipeline file that does not
   /// say it has the estimator's (`Estimator::sure_confidence`).
   double sure_confidence = 0.0;
+  /// How much counts what the estimator says of whether it is a hand at all: its exponent in the hand's
+  /// score, [0, 1]; 0: nothing.
+  double hand_weight = 1.0;
   /// The confidences of the joints that come out are calibrated (`calibrated_confidence`) with these, [-10,
   /// 10] and [0.01, 10]; scores and all thresholds are of what the estimator says itself.
   double confidence_offset = 0.0;

@@ -531,6 +531,22 @@ TEST(PipelineFromParts, AHandIsAsSureAsThatItIsOne) {
   }
 }
 
+TEST(PipelineFromParts, WhetherItIsAHandCountsAsMuchAsAskedFor) {
+  const auto score = [](double likely, double weight) {
+    const HandOptions hand{.hand_weight = weight};
+    const Pipeline pipeline({HandFinder(std::make_unique<LikelySegmenter>(std::nullopt), hand),
+                             std::make_unique<DoubtingEstimator>(likely)});
+    return pipeline.estimate(plate()).hands.at(0).score;
+  };
+  EXPECT_DOUBLE_EQ(score(0.25, 0.5), 0.25);
+  EXPECT_DOUBLE_EQ(score(0.0625, 0.25), 0.25);
+  EXPECT_DOUBLE_EQ(score(0.25, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.0, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.0, 0.125), 0.0);
+  EXPECT_THROW(score(0.5, -0.1), Error);
+  EXPECT_THROW(score(0.5, 1.1), Error);
+}
+
 /// Fits a skeleton, as it says, and lowers the first joint by 1 mm.
 class FittingRefiner final : public Refiner {
  public:
