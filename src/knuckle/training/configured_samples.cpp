@@ -30,9 +30,10 @@ SampleOptions options_of(const NetworkTrainingConfig& config) {
 }
 
 /// Memory of so many samples.
-std::int64_t bytes_of(const NetworkTrainingConfig& config, std::int64_t count) {
+double gigabytes_of(const NetworkTrainingConfig& config, std::int64_t count) {
   const Convention convention = convention_from_name(config.network.convention);
-  return CubeSamples::bytes(count, convention.size(), config.samples.crop_px);
+  return static_cast<double>(CubeSamples::bytes(count, convention.size(), config.samples.crop_px)) /
+         kBytesPerGigabyte;
 }
 
 /// The smaller of two numbers of frames, of which 0 is no limit.
@@ -141,6 +142,30 @@ SampleFrames ConfiguredSamples::frames() const {
   return sum;
 }
 
+namespace {
+
+/// Throws an Error where samples that are not streamed take more memory than they may.
+void require_memory(const NetworkTrainingConfig& config, std::int64_t count) {
+  const double gigabytes = gigabytes_of(config, count);
+  if (gigabytes <= config.samples.memory_gb) return;
+  fail(
+      "{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`, or have them read from "
+      "--cache by `stream = true` in [samples]",
+      count, gigabytes, config.samples.memory_gb);
+}
+
+/// Throws an Error where there is no room for two batches beside so many samples of the validation.
+void require_memory_to_stream(const NetworkTrainingConfig& config, std::int64_t validation) {
+  const double gigabytes = gigabytes_of(config, validation + 2 * config.training.batch_size);
+  if (gigabytes <= config.samples.memory_gb) return;
+  fail(
+      "{} samples of the validation and two batches of {} take {:.2g} GB, more than memory_gb, {}: lower "
+      "`most_validation`, `batch_size` or `crop_px`",
+      validation, config.training.batch_size, gigabytes, config.samples.memory_gb);
+}
+
+}  // namespace
+
 void check_sources(const NetworkTrainingConfig& config) {
   const Convention convention = convention_from_name(config.network.convention);
   std::int64_t count = 0;
@@ -148,31 +173,24 @@ void check_sources(const NetworkTrainingConfig& config) {
     count += frames_of(source.source, convention, source.most);
     if (source.most_things > 0) count += frames_of(source.source, convention, source.most_things);
   }
-  if (config.samples.stream) count = 0;
-  if (!config.validation.empty())
-    count += frames_of(config.validation, convention, config.samples.most_validation);
-  const double gigabytes = static_cast<double>(bytes_of(config, count)) / kBytesPerGigabyte;
-  if (gigabytes > config.samples.memory_gb) {
-    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`{}", count, gigabytes,
-         config.samples.memory_gb,
-         config.samples.stream ? "" : ", or say `stream = true` in [samples] and give a --cache");
+  const std::int64_t validation =
+      config.validation.empty() ? 0
+                                : frames_of(config.validation, convention, config.samples.most_validation);
+  if (config.samples.stream) {
+    require_memory_to_stream(config, validation);
+  } else {
+    require_memory(config, count + validation);
   }
 }
 
 StreamingOptions streaming_options(const NetworkTrainingConfig& config, const CubeSamples& validation) {
-  const std::int64_t of_validation = bytes_of(config, validation.size());
-  const double left = config.samples.memory_gb * kBytesPerGigabyte - static_cast<double>(of_validation);
-  const double fit = left / static_cast<double>(bytes_of(config, 1));
+  require_memory_to_stream(config, validation.size());
+  const double left = config.samples.memory_gb - gigabytes_of(config, validation.size());
   StreamingOptions options;
   options.window = config.samples.stream_window;
-  if (fit < 2.0 * config.training.batch_size) {
-    fail("memory_gb is {}: the {} samples of the validation and two batches of {} take {:.3f} GB",
-         config.samples.memory_gb, validation.size(), config.training.batch_size,
-         static_cast<double>(of_validation + bytes_of(config, 2 * config.training.batch_size)) /
-             kBytesPerGigabyte);
-  }
+  const double twice = std::floor(left / gigabytes_of(config, 1));
   options.most_at_once =
-      static_cast<std::int64_t>(std::min(static_cast<double>(options.most_at_once), std::floor(fit / 2.0)));
+      static_cast<std::int64_t>(std::min(static_cast<double>(options.most_at_once), 0.5 * twice));
   return options;
 }
 

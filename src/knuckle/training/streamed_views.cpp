@@ -10,6 +10,9 @@
 namespace knuckle {
 namespace {
 
+/// Where no set lies in several runs, as those that are cut out anew, nothing is gained by more.
+constexpr std::int64_t kMostWithoutRuns = 1024;
+
 std::int64_t things_of(const std::vector<StreamedCrops>& sets) {
   std::int64_t things = 0;
   for (const StreamedCrops& set : sets) things += set.size() - set.hands->size();
@@ -112,6 +115,9 @@ StreamedViews::StreamedViews(std::vector<StreamedCrops> sets, const Augmentation
       first += stream->size();
     }
   }
+  const bool has_runs =
+      std::ranges::any_of(parts_, [](const Part& part) { return part.stream->runs().size() > 1; });
+  if (!has_runs) options_.most_at_once = std::min(options_.most_at_once, kMostWithoutRuns);
 }
 
 std::int64_t StreamedViews::size() const {

@@ -72,6 +72,8 @@ TEST_F(StreamedViewsTest, GiveTheBatchesOfMemoryWhereAWindowHoldsEachSet) {
 TEST_F(StreamedViewsTest, GiveTheSameBatchesHoweverManyAreReadAtOnceAndFromAnyStart) {
   BatchPlan plan = streamed({.window = 20, .most_at_once = 1});
   EXPECT_EQ(plan.most_at_once(), 1) << "a batch at least";
+  EXPECT_EQ(streamed({.most_at_once = 16000}).most_at_once(), 2000);
+  EXPECT_EQ(StreamedViews({{thing_stream_, nullptr, 1.0}}, {}, {}, {}).most_at_once(), 1024) << "in one run";
   for (const std::int64_t at_once : {1, 16, 40, 1000}) {
     for (const std::int64_t first : {0, 7}) {
       BatchLoader loader(streamed({.window = 20, .most_at_once = at_once}), first, 30);
