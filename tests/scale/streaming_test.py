@@ -182,7 +182,7 @@ def damaged(place):
 def full_disk(place):
     limited = place.start(place.command("net.pt"), restore_signals=False,  # a write beyond the limit fails, as on a full disk
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000)))
-    failed_with(limited, "block_000000.h5")
+    failed_with(limited, "block_000000", "is the disk full")
     assert not place.blocks() and not (place.folder / "net.pt").exists()
     failed_with(place.start(place.command("net.pt", stream="false")), "memory_gb", "stream = true")
     failed_with(place.start(place.command("net.pt", memory_gb=0.0001)), "memory_gb", "two batches")
