@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@
 namespace knuckle {
 namespace {
 
-/// A line of /proc/self/status, as "VmHWM".
+/// A line of /proc/self/status, as "RssAnon:".
 std::string from_status(const std::string& key) {
   std::FILE* const file = std::fopen("/proc/self/status", "r");
   if (file == nullptr) return "unknown";
@@ -31,43 +32,52 @@ std::string from_status(const std::string& key) {
     if (text.starts_with(key)) found = text.substr(key.size() + 1);
   }
   std::fclose(file);
-  while (!found.empty() && std::isspace(static_cast<unsigned char>(found.back())) != 0) found.pop_back();
+  const auto is_space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  while (!found.empty() && is_space(found.back())) found.pop_back();
+  found.erase(0, found.find_first_not_of(" \t"));
   return found;
 }
 
-/// How long it takes to go through the batches [s].
-double seconds_of(BatchLoader& loader, std::int64_t batches) {
-  const Stopwatch watch;
-  for (std::int64_t i = 0; i < batches; ++i) (void)loader.next();
-  return watch.seconds();
+/// Processor time of this thread [s]: what a busy machine does not change.
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// What a sample costs that is fetched, and one that a view is made of, on this thread.
+void measure_steps(BatchPlan plan, std::int64_t batches) {
+  double fetching = 0.0;
+  double making = 0.0;
+  const std::int64_t at_once = plan.most_at_once();
+  for (std::int64_t first = 0; first < batches; first += at_once) {
+    const double begin = processor_seconds();
+    const BatchSamples samples = plan.fetched(first, std::min(batches, first + at_once));
+    const double fetched = processor_seconds();
+    for (std::int64_t i = first; i < samples.end; ++i) (void)plan.batch(i, samples);
+    fetching += fetched - begin;
+    making += processor_seconds() - fetched;
+  }
+  const double micros = 1e6 / static_cast<double>(batches * plan.batch_size());
+  fmt::print("processor time per sample: fetched {:.1f} us, a view made of it {:.1f} us\n", micros * fetching,
+             micros * making);
 }
 
 void measure(const NetworkTrainingConfig& config, const std::filesystem::path& cache, std::int64_t batches) {
-  const Stopwatch opening;
   const ConfiguredSamples samples = streamed_samples(config, cache);
-  const StreamingOptions options = streaming_options(config, samples.validation.samples);
-  fmt::print("opened in {:.1f} s; {} at once, memory {}\n", opening.seconds(), options.most_at_once,
-             from_status("VmHWM:"));
+  const PatchQuestions questions{.side = config.network.dense.tells_side,
+                                 .hand = config.network.dense.tells_hand};
   const auto views = std::make_shared<const StreamedViews>(
-      samples.streams, config.augmentation,
-      PatchQuestions{.side = config.network.dense.tells_side, .hand = config.network.dense.tells_hand},
-      options);
-  BatchPlan plan(views, config.training.batch_size, config.training.seed);
-  const std::int64_t at_once = std::min(batches, plan.most_at_once());
-  const Stopwatch fetching;
-  const BatchSamples fetched = plan.fetched(0, at_once);
-  const double seconds = fetching.seconds();
-  const Stopwatch making;
-  for (std::int64_t i = 0; i < at_once; ++i) (void)plan.batch(i, fetched);
-  const double made = making.seconds();
-  const auto count = static_cast<double>(at_once * config.training.batch_size);
-  fmt::print("{:.0f} samples: fetched at {:.0f} samples/s, made into views at {:.0f}\n", count,
-             count / seconds, count / made);
-  BatchLoader loader(BatchPlan(views, config.training.batch_size, config.training.seed), 0, batches);
-  const double all = seconds_of(loader, batches);
-  fmt::print("{} batches: {:.0f} samples/s; at most {} samples held of {}, memory {}\n", batches,
-             static_cast<double>(batches * config.training.batch_size) / all, views->most_held(),
-             views->size(), from_status("VmHWM:"));
+      samples.streams, config.augmentation, questions, streaming_options(config, samples.validation.samples));
+  const BatchPlan plan(views, config.training.batch_size, config.training.seed);
+  measure_steps(plan, batches);
+  BatchLoader loader(plan, 0, batches);
+  const Stopwatch watch;
+  for (std::int64_t i = 0; i < batches; ++i) (void)loader.next();
+  fmt::print(
+      "{} batches: {:.0f} samples/s; at most {} of {} samples in memory, {} of it this process's own\n",
+      batches, static_cast<double>(batches * config.training.batch_size) / watch.seconds(),
+      views->most_held(), views->size(), from_status("RssAnon:"));
 }
 
 }  // namespace
