@@ -193,6 +193,7 @@ CASES = {case.__name__: case for case in (same_bytes, resumed, damaged, full_dis
 
 def main():
     case, program = sys.argv[1:]
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it, and hand that on
     with tempfile.TemporaryDirectory() as name:
         CASES[case](Place(pathlib.Path(program).resolve(), pathlib.Path(name)))
 
