@@ -121,7 +121,7 @@ std::unique_ptr<SampleBlocks> SampleBlocks::opened(const fs::path& folder, const
 SampleBlocks::SampleBlocks(fs::path folder, Making making, const std::vector<SampleBlockNote>& blocks)
     : folder_(std::move(folder)),
       inputs_(std::move(making.inputs)),
-      options_(std::move(making.options)),
+      options_(making.options),
       first_{0},
       known_(static_cast<std::size_t>(options_.convention.size()), false) {
   for (const SampleBlockNote& block : blocks) {
@@ -144,9 +144,10 @@ void SampleBlocks::fetch(std::span<const std::int64_t> numbers, CubeSamples& to,
       in_block.push_back(number - *(after - 1));
     }
     const SampleFile file(file_of(folder_, block), inputs_of(inputs_, block));
-    if (!file.has_sums() || file.size() != runs_[static_cast<std::size_t>(block)])
+    if (!file.has_sums() || file.size() != runs_[static_cast<std::size_t>(block)]) {
       fail("{}: is not the block that it was; remove it, and it is made anew",
            file_of(folder_, block).string());
+    }
     file.read(in_block, to, first);
     first += std::ssize(in_block);
     numbers = numbers.subspan(in_block.size());
