@@ -16,10 +16,11 @@ constexpr std::int64_t kLookedAt = 64;
 
 }  // namespace
 
-FreshSamples::FreshSamples(std::string source, std::unique_ptr<SampleCutter> cutter, SampleOptions options)
+FreshSamples::FreshSamples(std::string source, std::unique_ptr<SampleCutter> cutter,
+                           const SampleOptions& options)
     : source_(std::move(source)),
       cutter_(std::move(cutter)),
-      options_(std::move(options)),
+      options_(options),
       runs_{cutter_->frames()},
       frames_{cutter_->frames(), 0, 0} {
   std::vector<std::int64_t> first(static_cast<std::size_t>(std::min(size(), kLookedAt)));

@@ -16,7 +16,7 @@ class FreshSamples final : public SampleStream {
  public:
   /// Looks at the first frames, to see what is labelled. Throws an Error that names the source where 1,024
   /// frames in a row cannot be used.
-  FreshSamples(std::string source, std::unique_ptr<SampleCutter> cutter, SampleOptions options);
+  FreshSamples(std::string source, std::unique_ptr<SampleCutter> cutter, const SampleOptions& options);
 
   std::int64_t size() const override { return runs_.front(); }
   const std::vector<std::int64_t>& runs() const override { return runs_; }
