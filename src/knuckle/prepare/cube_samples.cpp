@@ -80,4 +80,15 @@ CubeSample CubeSamples::sample(std::int64_t index) const {
           std::span(joints_).subspan(place * numbers(), numbers()), centres_mm_[place]};
 }
 
+std::vector<bool> known_joints(const CubeSamples& samples) {
+  std::vector<bool> known(static_cast<std::size_t>(samples.joint_count()), false);
+  for (std::int64_t i = 0; i < samples.size(); ++i) {
+    const std::span<const float> joints = samples.sample(i).joints;
+    for (std::size_t j = 0; j < known.size(); ++j) {
+      if (std::isfinite(joints[3 * j] + joints[3 * j + 1] + joints[3 * j + 2])) known[j] = true;
+    }
+  }
+  return known;
+}
+
 }  // namespace knuckle

@@ -69,4 +69,7 @@ class CubeSamples {
   std::vector<std::int64_t> kept_;
 };
 
+/// Which joints are known in at least one of the samples, joint by joint.
+std::vector<bool> known_joints(const CubeSamples& samples);
+
 }  // namespace knuckle

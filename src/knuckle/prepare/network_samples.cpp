@@ -2,71 +2,49 @@
 #include "knuckle/prepare/network_samples.h"
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
+#include <memory>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/patch/cube_patch.h"
 #include "knuckle/prepare/open_source.h"
+#include "knuckle/prepare/sample_cutter.h"
 
 namespace knuckle {
 namespace {
 
 constexpr double kFarthestCentreMm = 80.0;
 
-class SampleCollector {
+class HandCutter final : public SampleCutter {
  public:
-  SampleCollector(const FrameSource& source, std::vector<std::int64_t> frames, const HandFinder& finder,
-                  const SampleOptions& options)
-      : source_(source),
-        frames_(std::move(frames)),
-        finder_(finder),
-        hand_(finder.hand()),
-        options_(options),
-        count_(std::ssize(frames_)),
-        samples_(count_, options.convention.size(), options.patch, options.crop_px) {
+  HandCutter(const std::string& source, const HandFinder& finder, const SampleOptions& options)
+      : source_(open_source(source)), finder_(finder), hand_(finder.hand()), options_(options) {
+    require_shared_landmarks(*source_, options.convention, source);
+    frames_ = frames_for_samples(*source_, options, source);
     if (options.side) hand_.side = *options.side == HandSide::left ? "left" : "right";
   }
 
-  NetworkSamples collect() && {
-    Progress progress("samples", "frames", count_);
-    parallel_for(count_, [&](std::int64_t i) {
-      add(i, source_.read(frames_[static_cast<std::size_t>(i)]));
-      progress.advance();
-    });
-    samples_.finish();
-    return {std::move(samples_), {count_, without_hand_, off_centre_}};
-  }
+  std::int64_t frames() const override { return std::ssize(frames_); }
 
- private:
-  void add(std::int64_t index, Frame frame) {
-    frame = as_right_hand(std::move(frame), hand_);
+  Outcome cut(std::int64_t index, CubeSamples& to, std::int64_t place) const override {
+    const Frame frame = as_right_hand(source_->read(frames_[static_cast<std::size_t>(index)]), hand_);
     const HandPose truth =
         frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
     const Projection projection(frame.camera);
     const Point3 middle = projection.to_camera(mean_joint(truth));
     const std::optional<Point3> centre = truth.is_missing() ? std::nullopt : centre_of(frame, middle);
-    if (!centre) {
-      ++without_hand_;
-      return;
-    }
-    if ((*centre - middle).norm() > kFarthestCentreMm) {
-      ++off_centre_;
-      return;
-    }
-    const auto crop = extract_cube(frame, projection.to_image(*centre), samples_.crop());
-    if (!crop) {
-      ++without_hand_;
-      return;
-    }
+    if (!centre) return Outcome::without_hand;
+    if ((*centre - middle).norm() > kFarthestCentreMm) return Outcome::off_centre;
+    const auto crop = extract_cube(frame, projection.to_image(*centre), to.crop());
+    if (!crop) return Outcome::without_hand;
     std::vector<PatchPoint> joints;
     for (const ImagePoint& joint : truth.joints) joints.push_back(crop->geometry.to_patch(joint));
-    samples_.set(index, *crop, joints, *centre);
+    to.set(place, *crop, joints, *centre);
+    return Outcome::used;
   }
 
+ private:
   /// Where segmentation finds the hand.
   std::optional<Point3> centre_of(const Frame& frame, const Point3& middle) const {
     if (options_.around_joints) return middle;
@@ -81,15 +59,11 @@ class SampleCollector {
     return found.hands.front().centre;
   }
 
-  const FrameSource& source_;
+  std::unique_ptr<FrameSource> source_;
   std::vector<std::int64_t> frames_;
   const HandFinder& finder_;
   HandOptions hand_;
-  const SampleOptions& options_;
-  std::int64_t count_;
-  CubeSamples samples_;
-  std::atomic<std::int64_t> without_hand_ = 0;
-  std::atomic<std::int64_t> off_centre_ = 0;
+  SampleOptions options_;
 };
 
 }  // namespace
@@ -114,19 +88,26 @@ std::vector<std::int64_t> frames_for_samples(const FrameSource& source, const Sa
   return frames;
 }
 
-NetworkSamples network_samples(const std::string& source_name, const HandFinder& finder,
+std::unique_ptr<SampleCutter> hand_cutter(const std::string& source, const HandFinder& finder,
+                                          const SampleOptions& options) {
+  return std::make_unique<HandCutter>(source, finder, options);
+}
+
+void require_used(const SampleFrames& frames, std::string_view source) {
+  if (frames.used() > 0) return;
+  fail(
+      "{}: no frame can be used: of {} frames {} have no labels or no hand that segmentation finds, and in "
+      "{} "
+      "it finds something else",
+      source, frames.total, frames.without_hand, frames.off_centre);
+}
+
+NetworkSamples network_samples(const std::string& source, const HandFinder& finder,
                                const SampleOptions& options) {
-  const auto source = open_source(source_name);
-  require_shared_landmarks(*source, options.convention, source_name);
-  std::vector<std::int64_t> frames = frames_for_samples(*source, options, source_name);
-  NetworkSamples result = SampleCollector(*source, std::move(frames), finder, options).collect();
-  if (result.frames.used() == 0) {
-    fail(
-        "{}: no frame can be used: of {} frames {} have no labels or no hand that segmentation finds, and in "
-        "{} "
-        "it finds something else",
-        source_name, result.frames.total, result.frames.without_hand, result.frames.off_centre);
-  }
+  const HandCutter cutter(source, finder, options);
+  Progress progress("samples", "frames", cutter.frames());
+  NetworkSamples result = cut_samples(cutter, 0, cutter.frames(), options, progress);
+  require_used(result.frames, source);
   return result;
 }
 

@@ -55,6 +55,9 @@ void require_shared_landmarks(const FrameSource& source, const Convention& conve
 std::vector<std::int64_t> frames_for_samples(const FrameSource& source, const SampleOptions& options,
                                              std::string_view name);
 
+/// Throws an Error that names the source where no frame of it could be used.
+void require_used(const SampleFrames& frames, std::string_view source);
+
 /// Cuts the hands out of a source's frames as a pipeline does at run time: around the centre that
 /// segmentation finds, or around the true joints where it is to be trained for one that others find. Where it
 /// starts at the nearest point and ends elsewhere than at the hand, it starts again at the truth. Frames

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/prepare/fresh_samples.h"
+#include "knuckle/prepare/sample_blocks.h"
 #include "knuckle/prepare/sample_file.h"
 #include "knuckle/prepare/thing_samples.h"
 #include "knuckle/segment/detector/detector_file.h"
@@ -31,14 +33,25 @@ Inputs inputs_of(const std::string& source, const Inputs& segmentation, const Sa
   return inputs;
 }
 
+Inputs inputs_of_things(const std::string& source, const std::filesystem::path& detector,
+                        const SampleOptions& options) {
+  Inputs inputs;
+  inputs.add("what", "things").add_content("detector", detector);
+  return inputs_of(source, inputs, options);
+}
+
 }  // namespace
 
 SampleCache::SampleCache(std::filesystem::path folder) : folder_(std::move(folder)) {
   if (!folder_.empty()) make_folder(folder_);
 }
 
+std::filesystem::path SampleCache::place_of(const Inputs& inputs) const {
+  return folder_ / fmt::format("samples_{}", text_hash(inputs.text()));
+}
+
 NetworkSamples SampleCache::kept(const Inputs& inputs, const std::function<NetworkSamples()>& make) const {
-  const std::filesystem::path file = folder_ / fmt::format("samples_{}.h5", text_hash(inputs.text()));
+  const std::filesystem::path file = place_of(inputs).string() + ".h5";
   if (std::filesystem::exists(file)) return read_samples(file, inputs);
   NetworkSamples made = make();
   write_samples(file, made, inputs);
@@ -57,9 +70,32 @@ NetworkSamples SampleCache::things(const std::string& source, const std::filesys
     return thing_samples(source, HandDetector(load_detector_weights(detector)), options);
   };
   if (folder_.empty()) return make();
-  Inputs of_things;
-  of_things.add("what", "things").add_content("detector", detector);
-  return kept(inputs_of(source, of_things, options), make);
+  return kept(inputs_of_things(source, detector, options), make);
+}
+
+std::unique_ptr<SampleStream> SampleCache::streamed(const std::string& source, const HandFinder& finder,
+                                                    const Inputs& segmentation,
+                                                    const SampleOptions& options) const {
+  const auto cutter = [&] { return hand_cutter(source, finder, options); };
+  if (folder_.empty()) return std::make_unique<FreshSamples>(source, cutter(), options);
+  const Inputs inputs = inputs_of(source, segmentation, options);
+  auto blocks = SampleBlocks::opened(place_of(inputs), {inputs, options, "samples", cutter});
+  require_used(blocks->frames(), source);
+  return blocks;
+}
+
+std::unique_ptr<SampleStream> SampleCache::streamed_things(const std::string& source,
+                                                           const std::filesystem::path& detector,
+                                                           const SampleOptions& options) const {
+  const auto cutter = [&] {
+    return thing_cutter(source, std::make_shared<const HandDetector>(load_detector_weights(detector)),
+                        options);
+  };
+  if (folder_.empty()) return std::make_unique<FreshSamples>(source, cutter(), options);
+  const Inputs inputs = inputs_of_things(source, detector, options);
+  auto blocks = SampleBlocks::opened(place_of(inputs), {inputs, options, "things", cutter});
+  require_things(blocks->frames(), source);
+  return blocks;
 }
 
 }  // namespace knuckle

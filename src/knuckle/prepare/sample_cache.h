@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "knuckle/prepare/inputs.h"
 #include "knuckle/prepare/network_samples.h"
+#include "knuckle/prepare/sample_stream.h"
 
 namespace knuckle {
 
@@ -26,8 +28,20 @@ class SampleCache {
   NetworkSamples things(const std::string& source, const std::filesystem::path& detector,
                         const SampleOptions& options) const;
 
+  /// As `samples` and `things`, for sets larger than memory: from blocks in the folder (SampleBlocks), which
+  /// are made where they are missing; without a folder cut out anew each time (FreshSamples). `finder` has to
+  /// live as long.
+  std::unique_ptr<SampleStream> streamed(const std::string& source, const HandFinder& finder,
+                                         const Inputs& segmentation, const SampleOptions& options) const;
+  std::unique_ptr<SampleStream> streamed_things(const std::string& source,
+                                                const std::filesystem::path& detector,
+                                                const SampleOptions& options) const;
+
  private:
   NetworkSamples kept(const Inputs& inputs, const std::function<NetworkSamples()>& make) const;
+
+  /// Where the samples of these inputs are kept, but for the ending.
+  std::filesystem::path place_of(const Inputs& inputs) const;
 
   std::filesystem::path folder_;
 };

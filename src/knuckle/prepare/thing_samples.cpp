@@ -2,11 +2,11 @@
 #include "knuckle/prepare/thing_samples.h"
 
 #include <algorithm>
-#include <atomic>
+#include <memory>
+#include <utility>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/random.h"
 #include "knuckle/patch/cube_patch.h"
@@ -60,35 +60,57 @@ class ThingFinder {
   std::vector<LabelledHand> hands_;
 };
 
+class ThingCutter final : public SampleCutter {
+ public:
+  ThingCutter(const std::string& source, std::shared_ptr<const HandDetector> detector,
+              const SampleOptions& options)
+      : source_(open_source(source)),
+        detector_(std::move(detector)),
+        unknown_(static_cast<std::size_t>(options.convention.size()), PatchPoint{kNaN, kNaN, kNaN}) {
+    if (!source_->convention()) fail("{}: the source has no truth to train on", source);
+    frames_ = frames_for_samples(*source_, options, source);
+  }
+
+  std::int64_t frames() const override { return std::ssize(frames_); }
+
+  Outcome cut(std::int64_t index, CubeSamples& to, std::int64_t place) const override {
+    const Frame frame = source_->read(frames_[static_cast<std::size_t>(index)]);
+    Random random(1, static_cast<std::uint64_t>(index));
+    const std::optional<Point3> thing = ThingFinder(frame, *detector_, random).find();
+    const auto crop =
+        thing ? extract_cube(frame, Projection(frame.camera).to_image(*thing), to.crop()) : std::nullopt;
+    if (!crop) return Outcome::without_hand;
+    to.set(place, *crop, unknown_, *thing);
+    return Outcome::used;
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  std::vector<std::int64_t> frames_;
+  std::shared_ptr<const HandDetector> detector_;
+  std::vector<PatchPoint> unknown_;
+};
+
 }  // namespace
 
-NetworkSamples thing_samples(const std::string& source_name, const HandDetector& detector,
+std::unique_ptr<SampleCutter> thing_cutter(const std::string& source,
+                                           std::shared_ptr<const HandDetector> detector,
+                                           const SampleOptions& options) {
+  return std::make_unique<ThingCutter>(source, std::move(detector), options);
+}
+
+void require_things(const SampleFrames& frames, std::string_view source) {
+  if (frames.used() == 0) fail("{}: no frame shows anything but hands", source);
+}
+
+NetworkSamples thing_samples(const std::string& source, const HandDetector& detector,
                              const SampleOptions& options) {
-  const auto source = open_source(source_name);
-  if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
-  const std::vector<std::int64_t> frames = frames_for_samples(*source, options, source_name);
-  const std::int64_t count = std::ssize(frames);
-  CubeSamples samples(count, options.convention.size(), options.patch, options.crop_px);
-  const std::vector<PatchPoint> unknown(static_cast<std::size_t>(options.convention.size()),
-                                        PatchPoint{kNaN, kNaN, kNaN});
-  std::atomic<std::int64_t> without = 0;
-  Progress progress("things", "frames", count);
-  parallel_for(count, [&](std::int64_t i) {
-    const Frame frame = source->read(frames[static_cast<std::size_t>(i)]);
-    Random random(1, static_cast<std::uint64_t>(i));
-    const std::optional<Point3> place = ThingFinder(frame, detector, random).find();
-    const auto crop =
-        place ? extract_cube(frame, Projection(frame.camera).to_image(*place), samples.crop()) : std::nullopt;
-    if (crop) {
-      samples.set(i, *crop, unknown, *place);
-    } else {
-      ++without;
-    }
-    progress.advance();
-  });
-  samples.finish();
-  if (samples.size() == 0) fail("{}: no frame shows anything but hands", source_name);
-  return {std::move(samples), {count, without, 0}};
+  const std::shared_ptr<const HandDetector> borrowed(std::shared_ptr<void>(), &detector);
+  const ThingCutter cutter(source, borrowed, options);
+  Progress progress("things", "frames", cutter.frames());
+  NetworkSamples result = cut_samples(cutter, 0, cutter.frames(), options, progress);
+  require_things(result.frames, source);
+  return result;
 }
 
 }  // namespace knuckle

@@ -39,4 +39,8 @@ std::string text_hash(std::string_view text) {
   return hexadecimal(XXH3_128bits(text.data(), text.size()));
 }
 
+std::uint64_t content_sum(std::span<const std::byte> bytes, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
 }  // namespace knuckle

@@ -26,6 +26,15 @@ TEST(ContentHash, OfAFileLargerThanABlockIsThatOfItsText) {
   EXPECT_NE(content_hash(folder / "file"), text_hash(text));
 }
 
+TEST(ContentSum, DependsOnEachByteAndTheSeed) {
+  const auto sum = [](std::string_view text, std::uint64_t seed) {
+    return content_sum(std::as_bytes(std::span(text)), seed);
+  };
+  EXPECT_EQ(sum("", 0), 0x2d06800538d394c2U);  // XXH3_64bits of nothing
+  EXPECT_NE(sum("ab", 0), sum("ba", 0));
+  EXPECT_NE(sum("ab", 0), sum("ab", 1));
+}
+
 TEST(ContentHash, NamesAMissingFile) {
   EXPECT_THAT(testing::error_of([] { content_hash("none.h5"); }), ::testing::HasSubstr("none.h5"));
 }

@@ -29,6 +29,13 @@ SampleOptions options_of(const NetworkTrainingConfig& config) {
           .around_joints = config.samples.centre == "joints"};
 }
 
+/// Memory of so many samples.
+double gigabytes_of(const NetworkTrainingConfig& config, std::int64_t count) {
+  const Convention convention = convention_from_name(config.network.convention);
+  return static_cast<double>(CubeSamples::bytes(count, convention.size(), config.samples.crop_px)) /
+         kBytesPerGigabyte;
+}
+
 /// The smaller of two numbers of frames, of which 0 is no limit.
 std::int64_t least(std::int64_t a, std::int64_t b) {
   return a == 0 || b == 0 ? std::max(a, b) : std::min(a, b);
@@ -82,6 +89,18 @@ class SampleMaker {
     return set;
   }
 
+  StreamedCrops stream(const TrainingSource& source) const {
+    SampleOptions options = sample_options(config_, source, Holdout::Part::training);
+    options.most = source.most;
+    StreamedCrops set{cache_.streamed(source.source, config_.finder, config_.segmentation, options), nullptr,
+                      source.weight};
+    if (source.most_things > 0) {
+      options.most = source.most_things;
+      set.things = cache_.streamed_things(source.source, config_.detector, options);
+    }
+    return set;
+  }
+
  private:
   NetworkSamples made(const std::string& source, const SampleOptions& options) const {
     return cache_.samples(source, config_.finder, config_.segmentation, options);
@@ -119,8 +138,33 @@ std::vector<TrainingCrops> ConfiguredSamples::crops() const {
 SampleFrames ConfiguredSamples::frames() const {
   SampleFrames sum;
   for (const SetSamples& set : sets) sum.add(set.hands.frames);
+  for (const StreamedCrops& set : streams) sum.add(set.hands->frames());
   return sum;
 }
+
+namespace {
+
+/// Throws an Error where samples that are not streamed take more memory than they may.
+void require_memory(const NetworkTrainingConfig& config, std::int64_t count) {
+  const double gigabytes = gigabytes_of(config, count);
+  if (gigabytes <= config.samples.memory_gb) return;
+  fail(
+      "{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`, or have them read from "
+      "--cache by `stream = true` in [samples]",
+      count, gigabytes, config.samples.memory_gb);
+}
+
+/// Throws an Error where there is no room for two batches beside so many samples of the validation.
+void require_memory_to_stream(const NetworkTrainingConfig& config, std::int64_t validation) {
+  const double gigabytes = gigabytes_of(config, validation + 2 * config.training.batch_size);
+  if (gigabytes <= config.samples.memory_gb) return;
+  fail(
+      "{} samples of the validation and two batches of {} take {:.2g} GB, more than memory_gb, {}: lower "
+      "`most_validation`, `batch_size` or `crop_px`",
+      validation, config.training.batch_size, gigabytes, config.samples.memory_gb);
+}
+
+}  // namespace
 
 void check_sources(const NetworkTrainingConfig& config) {
   const Convention convention = convention_from_name(config.network.convention);
@@ -129,15 +173,25 @@ void check_sources(const NetworkTrainingConfig& config) {
     count += frames_of(source.source, convention, source.most);
     if (source.most_things > 0) count += frames_of(source.source, convention, source.most_things);
   }
-  if (!config.validation.empty())
-    count += frames_of(config.validation, convention, config.samples.most_validation);
-  const double gigabytes =
-      static_cast<double>(CubeSamples::bytes(count, convention.size(), config.samples.crop_px)) /
-      kBytesPerGigabyte;
-  if (gigabytes > config.samples.memory_gb) {
-    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most` or `crop_px`", count, gigabytes,
-         config.samples.memory_gb);
+  const std::int64_t validation =
+      config.validation.empty() ? 0
+                                : frames_of(config.validation, convention, config.samples.most_validation);
+  if (config.samples.stream) {
+    require_memory_to_stream(config, validation);
+  } else {
+    require_memory(config, count + validation);
   }
+}
+
+StreamingOptions streaming_options(const NetworkTrainingConfig& config, const CubeSamples& validation) {
+  require_memory_to_stream(config, validation.size());
+  const double left = config.samples.memory_gb - gigabytes_of(config, validation.size());
+  StreamingOptions options;
+  options.window = config.samples.stream_window;
+  const double twice = std::floor(left / gigabytes_of(config, 1));
+  options.most_at_once =
+      static_cast<std::int64_t>(std::min(static_cast<double>(options.most_at_once), 0.5 * twice));
+  return options;
 }
 
 ConfiguredSamples configured_samples(const NetworkTrainingConfig& config, const std::filesystem::path& cache,
@@ -148,25 +202,22 @@ ConfiguredSamples configured_samples(const NetworkTrainingConfig& config, const 
   return samples;
 }
 
-std::vector<bool> known_joints(const CubeSamples& samples) {
-  std::vector<bool> known(static_cast<std::size_t>(samples.joint_count()), false);
-  for (std::int64_t i = 0; i < samples.size(); ++i) {
-    const std::span<const float> joints = samples.sample(i).joints;
-    for (std::size_t j = 0; j < known.size(); ++j) {
-      if (std::isfinite(joints[3 * j] + joints[3 * j + 1] + joints[3 * j + 2])) known[j] = true;
-    }
-  }
-  return known;
+ConfiguredSamples streamed_samples(const NetworkTrainingConfig& config, const std::filesystem::path& cache) {
+  const SampleMaker maker(config, cache, 0);
+  ConfiguredSamples samples{{}, maker.validation()};
+  for (const TrainingSource& source : config.sources) samples.streams.push_back(maker.stream(source));
+  return samples;
 }
 
 std::vector<Landmark> unknown_landmarks(const NetworkTrainingConfig& config,
                                         const ConfiguredSamples& samples) {
   const Convention convention = convention_from_name(config.network.convention);
   std::vector<bool> known(convention.landmarks.size(), false);
-  for (const SetSamples& set : samples.sets) {
-    const std::vector<bool> of_set = known_joints(set.hands.samples);
+  const auto add = [&](const std::vector<bool>& of_set) {
     for (std::size_t j = 0; j < known.size(); ++j) known[j] = known[j] || of_set[j];
-  }
+  };
+  for (const SetSamples& set : samples.sets) add(known_joints(set.hands.samples));
+  for (const StreamedCrops& set : samples.streams) add(set.hands->known_joints());
   std::vector<Landmark> unknown;
   for (std::size_t j = 0; j < known.size(); ++j) {
     if (!known[j]) unknown.push_back(convention.landmarks[j]);

@@ -10,6 +10,7 @@
 #include "knuckle/prepare/network_samples.h"
 #include "knuckle/training/network_training_config.h"
 #include "knuckle/training/sample_views.h"
+#include "knuckle/training/streamed_views.h"
 
 namespace knuckle {
 
@@ -27,6 +28,7 @@ struct SetSamples {
 struct ConfiguredSamples {
   std::vector<SetSamples> sets;  ///< in the order of the configuration's sources
   NetworkSamples validation;
+  std::vector<StreamedCrops> streams = {};  ///< in place of `sets` where they are not in memory
 
   std::vector<TrainingCrops> crops() const;
   /// What became of the frames of all sets.
@@ -39,7 +41,7 @@ SampleOptions sample_options(const NetworkTrainingConfig& config, const Training
 
 /// Opens each source and looks at its labels' names, before anything is rendered or cut out. Throws an Error
 /// that names the source that has no truth, or no landmark that the network learns, and one where the samples
-/// take more memory than they may.
+/// take more memory than they may, which streamed ones do not.
 void check_sources(const NetworkTrainingConfig& config);
 
 /// Makes the samples, or takes them from the folder `cache` (SampleCache; empty: none). Of each source at
@@ -48,11 +50,17 @@ void check_sources(const NetworkTrainingConfig& config);
 ConfiguredSamples configured_samples(const NetworkTrainingConfig& config, const std::filesystem::path& cache,
                                      std::int64_t most_of_each = 0);
 
+/// The same for a training that streams them: validation alone is in memory. Without a folder samples are cut
+/// out each time that they are needed. `config` has to live as long.
+ConfiguredSamples streamed_samples(const NetworkTrainingConfig& config, const std::filesystem::path& cache);
+
+/// How they are read, so that with the samples of the validation no more memory is taken than may be. Throws
+/// an Error where that is not enough for two batches.
+StreamingOptions streaming_options(const NetworkTrainingConfig& config, const CubeSamples& validation);
+
 /// Landmarks of the network's convention that no sample of any set knows: nothing of them is learned. In the
 /// convention's order.
 std::vector<Landmark> unknown_landmarks(const NetworkTrainingConfig& config,
                                         const ConfiguredSamples& samples);
-/// Which joints are known in at least one of the samples, joint by joint.
-std::vector<bool> known_joints(const CubeSamples& samples);
 
 }  // namespace knuckle

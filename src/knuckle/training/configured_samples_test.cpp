@@ -131,6 +131,56 @@ TEST_F(ConfiguredSamplesTest, ASetThatCannotBeUsedIsNamed) {
                                                         HasSubstr("icvl16"), HasSubstr("mediapipe21")));
 }
 
+TEST_F(ConfiguredSamplesTest, AreStreamedFromTheCacheOrFromTheirFrames) {
+  write_set("mine", 4, 500.0, "mediapipe21");
+  write_set("other", 2, 700.0, "icg20");
+  const auto read = config(
+      "[[source]]\nsource = 'folder:mine'\nholdout = 0.5\nweight = 3\n"
+      "[[source]]\nsource = 'folder:other'\nmost = 1\n");
+  const ConfiguredSamples expected = configured_samples(read, {});
+  for (const std::filesystem::path& cache : {folder_ / "cache", std::filesystem::path()}) {
+    const ConfiguredSamples made = streamed_samples(read, cache);
+    EXPECT_TRUE(made.sets.empty());
+    ASSERT_EQ(made.streams.size(), 2u);
+    EXPECT_EQ(made.streams[0].weight, 3.0);
+    EXPECT_EQ(made.frames().total, expected.frames().total);
+    EXPECT_EQ(depths_of(made.validation), depths_of(expected.validation));
+    EXPECT_EQ(unknown_landmarks(read, made), unknown_landmarks(read, expected));
+    for (std::size_t i = 0; i < 2; ++i) {
+      const CubeSamples& samples = expected.sets[i].hands.samples;
+      const SampleStream& stream = *made.streams[i].hands;
+      ASSERT_EQ(stream.size(), samples.size());
+      CubeSamples first = stream.room_for(1);
+      stream.fetch(std::vector<std::int64_t>{0}, first, 0);
+      first.finish();
+      EXPECT_TRUE(std::ranges::equal(first.sample(0).codes, samples.sample(0).codes));
+    }
+  }
+}
+
+TEST_F(ConfiguredSamplesTest, TakeNoMoreMemoryThanTheyMay) {
+  write_set("mine", 4, 500.0, "mediapipe21");
+  write_set("other", 2, 500.0, "mediapipe21");
+  auto read = config("source = 'folder:mine'\nvalidation = 'folder:other'\n");
+  const auto bytes = static_cast<double>(CubeSamples::bytes(1, 21, 48));
+  read.samples.memory_gb = 5.5 * bytes / 1e9;
+  EXPECT_THAT(error_of([&] { check_sources(read); }),
+              AllOf(HasSubstr("6 samples"), HasSubstr("stream = true")));
+  read.samples.stream = true;
+  const auto too_little = AllOf(HasSubstr("2 samples of the validation"), HasSubstr("two batches of 4"));
+  EXPECT_THAT(error_of([&] { check_sources(read); }), too_little);
+  read.samples.memory_gb = 10.5 * bytes / 1e9;
+  EXPECT_NO_THROW(check_sources(read)) << "not for all at a time";
+  const ConfiguredSamples made = streamed_samples(read, {});
+  const CubeSamples& validation = made.validation.samples;
+  EXPECT_EQ(streaming_options(read, validation).most_at_once, 4) << "twice, and the validation's 2";
+  read.samples.memory_gb = 1000.0;
+  EXPECT_EQ(streaming_options(read, validation).most_at_once, 16384);
+  EXPECT_EQ(streaming_options(read, validation).window, 65536);
+  read.samples.memory_gb = 9.5 * bytes / 1e9;
+  EXPECT_THAT(error_of([&] { streaming_options(read, validation); }), too_little);
+}
+
 TEST_F(ConfiguredSamplesTest, NeedFramesToValidateOn) {
   write_set("mine", 4, 500.0, "mediapipe21");
   const auto fault = [&](const std::string& sources) { return error_of([&] { config(sources); }); };

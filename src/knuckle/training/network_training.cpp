@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,22 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOptimisers = {"adamw", "sgd"};
 constexpr std::array<std::string_view, 2> kPrecisions = {"single", "bfloat16"};
+
+PatchQuestions questions_of(const NetworkOptions& network) {
+  return {.side = network.dense.tells_side, .hand = network.dense.tells_hand};
+}
+
+/// Throws an Error where a network cannot be trained so.
+void check_training(const NetworkOptions& network, const NetworkTrainingOptions& options,
+                    const CubeSamples& validation) {
+  check(network, "training");
+  if (options.batch_size == options.shards && network.architecture != "dense") {
+    fail(
+        "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
+        options.batch_size, options.shards);
+  }
+  if (validation.size() == 0) fail("training: there is no sample to validate on");
+}
 
 }  // namespace
 
@@ -82,17 +99,24 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const AugmentationOptions& augmentation,
                                            const std::vector<TrainingCrops>& training,
                                            const CubeSamples& validation, const NetworkTrainingRun& run) {
-  check(network, "training");
-  if (options.batch_size == options.shards && network.architecture != "dense") {
-    fail(
-        "training: batch_size is {} in {} shards, expected at least 2 samples per shard: the norms need them",
-        options.batch_size, options.shards);
-  }
   for (const TrainingCrops& set : training) {
     if (set.hands.size() == 0) fail("training: there is no sample to train on");
   }
-  if (validation.size() == 0) fail("training: there is no sample to validate on");
-  return train(PoseTrainingTask(network, augmentation, training, validation), options, run);
+  check_training(network, options, validation);
+  auto views = std::make_shared<const CubeSampleViews>(training, augmentation, questions_of(network));
+  return train(PoseTrainingTask(network, augmentation, std::move(views), validation), options, run);
+}
+
+std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
+                                           const NetworkTrainingOptions& options,
+                                           const AugmentationOptions& augmentation,
+                                           const std::vector<StreamedCrops>& training,
+                                           const StreamingOptions& streaming, const CubeSamples& validation,
+                                           const NetworkTrainingRun& run) {
+  check_training(network, options, validation);
+  auto views =
+      std::make_shared<const StreamedViews>(training, augmentation, questions_of(network), streaming);
+  return train(PoseTrainingTask(network, augmentation, std::move(views), validation), options, run);
 }
 
 }  // namespace knuckle

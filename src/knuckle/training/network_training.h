@@ -16,6 +16,7 @@
 #include "knuckle/prepare/cube_view.h"
 #include "knuckle/training/learning_rate.h"
 #include "knuckle/training/sample_views.h"
+#include "knuckle/training/streamed_views.h"
 
 namespace knuckle {
 
@@ -112,5 +113,12 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const AugmentationOptions& augmentation,
                                            const std::vector<TrainingCrops>& training,
                                            const CubeSamples& validation, const NetworkTrainingRun& run);
+/// The same of sets that are not in memory, in the order that SampleOrder gives them.
+std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
+                                           const NetworkTrainingOptions& options,
+                                           const AugmentationOptions& augmentation,
+                                           const std::vector<StreamedCrops>& training,
+                                           const StreamingOptions& streaming, const CubeSamples& validation,
+                                           const NetworkTrainingRun& run);
 
 }  // namespace knuckle

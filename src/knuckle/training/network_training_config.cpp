@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
@@ -49,6 +50,8 @@ void NetworkSampleOptions::visit(OptionVisitor& visitor) {
   visitor.integer("crop_px", crop_px, closed(2, 4096));
   visitor.choice("centre", centre, kCentres);
   visitor.real("memory_gb", memory_gb, open_closed(0, 10000));
+  visitor.flag("stream", stream);
+  visitor.integer("stream_window", stream_window, closed(1, 1e9));
 }
 
 NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& path) {
@@ -99,15 +102,21 @@ NetworkTrainingResult run_network_training(const NetworkTrainingConfig& config, 
   // What worker 0 puts into the cache is there for the others.
   const bool waits = run.workers != nullptr && !cache.empty();
   if (waits && run.workers->rank() > 0) gathered(*run.workers, "cached");
-  const ConfiguredSamples samples = configured_samples(config, cache);
+  const ConfiguredSamples samples =
+      config.samples.stream ? streamed_samples(config, cache) : configured_samples(config, cache);
   if (waits && run.workers->rank() == 0) gathered(*run.workers, "cached");
   const std::vector<Landmark> landmarks = unknown_landmarks(config, samples);
   if (unknown && !landmarks.empty()) unknown(landmarks);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
-  return {train_network(config.network, config.training, config.augmentation, samples.crops(),
-                        samples.validation.samples, begun),
-          samples.frames(), samples.validation.frames};
+  const CubeSamples& validation = samples.validation.samples;
+  std::vector<TrainingMetrics> metrics =
+      config.samples.stream
+          ? train_network(config.network, config.training, config.augmentation, samples.streams,
+                          streaming_options(config, validation), validation, begun)
+          : train_network(config.network, config.training, config.augmentation, samples.crops(), validation,
+                          begun);
+  return {std::move(metrics), samples.frames(), samples.validation.frames};
 }
 
 }  // namespace knuckle

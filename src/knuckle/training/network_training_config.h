@@ -22,6 +22,10 @@ struct NetworkSampleOptions {
   int most_things = 0;      ///< Frames of each `source` that things like hands are cut out of; 0: none
   std::string centre = "segmentation";  ///< segmentation | joints: what a hand is cut out around
   double memory_gb = 8.0;               ///< More than that is an error, (0, 10000]
+  /// Sets that are larger than memory: samples are read from `--cache`, without one cut out anew each time;
+  /// `memory_gb` bounds what is in memory.
+  bool stream = false;
+  int stream_window = 65536;  ///< Streamed samples of a set that are shuffled together, [1, 1e9]
 
   void visit(OptionVisitor& visitor);
 };

@@ -13,6 +13,7 @@
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file.h"
 #include "knuckle/net/pose_network.h"
+#include "knuckle/prepare/stream_testing.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/training/archive.h"
 #include "knuckle/training/network_writer.h"
@@ -404,6 +405,39 @@ TEST_F(NetworkTraining, RefusesOptionsThatDoNotFitTogether) {
               }),
               HasSubstr("no sample to validate on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "net.pt"));
+}
+
+/// Eight samples as if they were on a disk, in four runs.
+class StreamedTraining : public NetworkTraining {
+ protected:
+  std::vector<TrainingMetrics> stream(const NetworkTrainingRun& files,
+                                      const StreamingOptions& streaming) const {
+    const std::vector<StreamedCrops> sets{
+        {std::make_shared<testing::MemoryStream>(training_, std::vector<std::int64_t>{2, 3, 1, 2}), nullptr,
+         1.0}};
+    return train_network(small_network(), short_training(), {}, sets, streaming, validation_, files);
+  }
+};
+
+TEST_F(StreamedTraining, HasTheWeightsOfMemoryWhereOneWindowHoldsTheSet) {
+  train(short_training(), run("memory"));
+  stream(run("streamed"), {.window = 8, .most_at_once = 4});
+  expect_same_state("memory", "streamed");
+  train(short_training(), run("memory", Begin::from_checkpoint));  // one and the same training
+  stream(run("memory", Begin::from_checkpoint), {.window = 8});
+}
+
+TEST_F(StreamedTraining, GoesOnToTheSameBitsHoweverManySamplesAreReadAtOnce) {
+  stream(run("whole"), {.window = 3, .most_at_once = 100});
+  NetworkTrainingRun stopped = run("parts");
+  stopped.stop_after_steps = 3;
+  stream(stopped, {.window = 3, .most_at_once = 4});
+  EXPECT_EQ(stream(run("parts", Begin::from_checkpoint), {.window = 3, .most_at_once = 1}).back().step, 4);
+  expect_same_state("whole", "parts");
+  stream(run("other"), {.window = 8});
+  EXPECT_FALSE(torch::equal(state_of("other").front(), state_of("whole").front())) << "another order";
+  EXPECT_THAT(error_of([&] { stream(run("parts", Begin::from_checkpoint), {.window = 4}); }),
+              HasSubstr("other options"));
 }
 
 TEST_F(NetworkTraining, NamesADeviceThatIsNotThereAndAFileThatCannotBeWritten) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/training/pose_training_task.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
@@ -28,13 +30,8 @@ bool begins(NetworkOptions known, const NetworkOptions& options) {
 }  // namespace
 
 PoseTrainingTask::PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                                   const std::vector<TrainingCrops>& training, const CubeSamples& validation)
-    : options_(network),
-      augmentation_(augmentation),
-      views_(std::make_shared<const CubeSampleViews>(
-          training, augmentation,
-          PatchQuestions{.side = network.dense.tells_side, .hand = network.dense.tells_hand})),
-      validation_(validation) {}
+                                   std::shared_ptr<const SampleViews> training, const CubeSamples& validation)
+    : options_(network), augmentation_(augmentation), views_(std::move(training)), validation_(validation) {}
 
 std::shared_ptr<TrainableModule> PoseTrainingTask::make_module(std::uint64_t seed) const {
   return make_network(options_, seed);
@@ -66,8 +63,12 @@ std::string PoseTrainingTask::identity(const std::string& training) const {
 std::string PoseTrainingTask::sets_text() const {
   const std::vector<SampleGroup> groups = views_->groups();
   std::string text;
-  for (std::size_t i = 0; groups.size() > 1 && i < groups.size(); ++i)
-    text += fmt::format("[[source]]\nsamples = {}\nweight = {}\n", groups[i].size, groups[i].weight);
+  for (const SampleGroup& group : groups) {
+    if (groups.size() > 1)
+      text += fmt::format("[[source]]\nsamples = {}\nweight = {}\n", group.size, group.weight);
+    if (group.window > 0 && group.window < group.size && group.runs.size() > 1)
+      text += fmt::format("stream_window = {}\n", group.window);
+  }
   return text;
 }
 

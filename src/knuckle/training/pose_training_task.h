@@ -2,6 +2,8 @@
 // Private to the module: this header shows LibTorch.
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "knuckle/net/network_options.h"
@@ -13,9 +15,9 @@ namespace knuckle {
 /// The training of a network that infers poses from patches.
 class PoseTrainingTask final : public TrainingTask {
  public:
-  /// All samples have to live as long as this.
+  /// All samples have to live as long as this. `training` are views with `augmentation`.
   PoseTrainingTask(const NetworkOptions& network, const AugmentationOptions& augmentation,
-                   const std::vector<TrainingCrops>& training, const CubeSamples& validation);
+                   std::shared_ptr<const SampleViews> training, const CubeSamples& validation);
 
   std::shared_ptr<TrainableModule> make_module(std::uint64_t seed) const override;
   std::shared_ptr<const SampleViews> views() const override { return views_; }
@@ -26,12 +28,12 @@ class PoseTrainingTask final : public TrainingTask {
   std::string identity(const std::string& training) const override;
 
  private:
-  /// Sizes and weights of several sets.
+  /// Sizes and weights of several sets, and in which order they are read where they are not in memory.
   std::string sets_text() const;
 
   NetworkOptions options_;
   AugmentationOptions augmentation_;
-  std::shared_ptr<const CubeSampleViews> views_;
+  std::shared_ptr<const SampleViews> views_;
   const CubeSamples& validation_;
 };
 

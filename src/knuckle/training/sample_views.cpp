@@ -20,11 +20,17 @@ bool are_of_same_sizes(const CubeSamples& a, const CubeSamples& b) {
          a.patch().size_px == b.patch().size_px && a.patch().side_mm == b.patch().side_mm;
 }
 
+std::int64_t things_of(const std::vector<TrainingCrops>& sets) {
+  std::int64_t things = 0;
+  for (const TrainingCrops& set : sets) things += set.size() - set.hands.size();
+  return things;
+}
+
 }  // namespace
 
-CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const AugmentationOptions& augmentation,
-                                 const PatchQuestions& questions)
-    : sets_(std::move(sets)), augmentation_(augmentation), questions_(questions) {
+CropViews::CropViews(const AugmentationOptions& augmentation, const PatchQuestions& questions,
+                     std::int64_t things)
+    : augmentation_(augmentation), questions_(questions) {
   check_options(augmentation, "augmentation");
   if (questions.side != (augmentation.mirrored_share > 0.0)) {
     fail(
@@ -33,8 +39,6 @@ CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const Augmenta
         "and only by a network that tells them",
         augmentation.mirrored_share, questions.side);
   }
-  std::int64_t things = 0;
-  for (const TrainingCrops& set : sets_) things += set.size() - set.hands.size();
   if (questions.hand != (things > 0)) {
     fail(
         "samples: there are {} things, and [network] tells_hand is {}: what is no hand is learned from "
@@ -42,6 +46,40 @@ CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const Augmenta
         "and only by a network that tells it",
         things, questions.hand);
   }
+}
+
+std::vector<std::int64_t> CropViews::input_shape(const CubeSamples& sizes) const {
+  return {1, sizes.patch().size_px, sizes.patch().size_px};
+}
+
+std::vector<std::int64_t> CropViews::target_shape(const CubeSamples& sizes) const {
+  return {sizes.joint_count() + (questions_.side ? 1 : 0) + (questions_.hand ? 1 : 0), 3};
+}
+
+void CropViews::view(const CubeSample& sample, const CubeSamples& sizes, bool is_hand, Random& random,
+                     std::span<float> input, std::span<float> target) const {
+  const CubeViewer viewer(sizes);
+  const RandomView seen = random_view(sample, sizes, augmentation_, random);
+  viewer.view_pixels(sample, seen.view, seen.faults, random, input);
+  const std::span<float> joints = target.first(static_cast<std::size_t>(3 * sizes.joint_count()));
+  viewer.view_joints(sample, seen.view, joints);
+  std::span<float> answers = target.subspan(joints.size());
+  const bool is_mirrored = questions_.side && random.uniform() < augmentation_.mirrored_share;
+  if (is_mirrored) {
+    std::ranges::fill(joints, static_cast<float>(kNaN));
+    reverse_rows(input, sizes.patch().size_px);
+  }
+  if (questions_.side) {
+    const float is_right = is_mirrored ? 0.0f : 1.0f;
+    std::ranges::fill(answers.first(3), is_hand ? is_right : static_cast<float>(kNaN));
+    answers = answers.subspan(3);
+  }
+  if (questions_.hand) std::ranges::fill(answers.first(3), is_hand ? 1.0f : 0.0f);
+}
+
+CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const AugmentationOptions& augmentation,
+                                 const PatchQuestions& questions)
+    : sets_(std::move(sets)), views_(augmentation, questions, things_of(sets_)) {
   if (sets_.empty()) fail("training: there is no sample to train on");
   for (const TrainingCrops& set : sets_) {
     if (set.size() == 0) fail("training: there is no sample to train on");
@@ -65,12 +103,11 @@ std::vector<SampleGroup> CubeSampleViews::groups() const {
 }
 
 std::vector<std::int64_t> CubeSampleViews::input_shape() const {
-  const int size = sets_.front().hands.patch().size_px;
-  return {1, size, size};
+  return views_.input_shape(sets_.front().hands);
 }
 
 std::vector<std::int64_t> CubeSampleViews::target_shape() const {
-  return {sets_.front().hands.joint_count() + (questions_.side ? 1 : 0) + (questions_.hand ? 1 : 0), 3};
+  return views_.target_shape(sets_.front().hands);
 }
 
 void CubeSampleViews::view(std::int64_t index, Random& random, std::span<float> input,
@@ -79,24 +116,8 @@ void CubeSampleViews::view(std::int64_t index, Random& random, std::span<float> 
   while (index >= sets_[set].size()) index -= sets_[set++].size();
   const bool is_hand = index < sets_[set].hands.size();
   const CubeSamples& samples = is_hand ? sets_[set].hands : *sets_[set].things;
-  const CubeViewer viewer(samples);
-  const CubeSample sample = samples.sample(is_hand ? index : index - sets_[set].hands.size());
-  const RandomView seen = random_view(sample, samples, augmentation_, random);
-  viewer.view_pixels(sample, seen.view, seen.faults, random, input);
-  const std::span<float> joints = target.first(static_cast<std::size_t>(3 * samples.joint_count()));
-  viewer.view_joints(sample, seen.view, joints);
-  std::span<float> answers = target.subspan(joints.size());
-  const bool is_mirrored = questions_.side && random.uniform() < augmentation_.mirrored_share;
-  if (is_mirrored) {
-    std::ranges::fill(joints, static_cast<float>(kNaN));
-    reverse_rows(input, samples.patch().size_px);
-  }
-  if (questions_.side) {
-    const float is_right = is_mirrored ? 0.0f : 1.0f;
-    std::ranges::fill(answers.first(3), is_hand ? is_right : static_cast<float>(kNaN));
-    answers = answers.subspan(3);
-  }
-  if (questions_.hand) std::ranges::fill(answers.first(3), is_hand ? 1.0f : 0.0f);
+  views_.view(samples.sample(is_hand ? index : index - sets_[set].hands.size()), samples, is_hand, random,
+              input, target);
 }
 
 }  // namespace knuckle
