@@ -13,7 +13,8 @@ void run_worker_samples(Bytes bytes) {
   PixelSamples samples(0);
   MessageReader reader(std::as_bytes(bytes));
   while (!reader.is_at_end()) {
-    const PixelSamples::DepthImage& image = samples.images()[samples.put(reader)];
+    const std::uint32_t index = samples.put(reader);
+    const PixelSamples::DepthImage& image = samples.images()[index];
     for (const LabelledPixel& pixel : image.pixels) {
       const std::int16_t depth = image.depth(pixel.column, pixel.row);
       constexpr OffsetPair kFar{kMostOffset, -kMostOffset, -kMostOffset, kMostOffset};
