@@ -13,6 +13,7 @@ import {
 import { readLabelled, type HandLabels, type LabelAnswer, type Labelled, type LabelInfo, type LabelRequest, type Standings } from "./label_protocol.ts";
 import { drawLabelMarks } from "./label_marks.ts";
 import { inWords, LandmarkList } from "./landmark_list.ts";
+import { MaskTool, pixelsIn, type Tool } from "./mask_tool.ts";
 import { depthPalette } from "./palette.ts";
 import { Announcer, element, Notices, setText } from "./panel.ts";
 import { FrameImages, MessageError, type FrameHeader, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
@@ -51,6 +52,7 @@ const imageView = new ImageView(imageCanvas, palette);
 imageView.namesHands = false;
 const cloudView = openCloudView();
 if (cloudView) cloudView.closeness = kCloseness;
+const maskTool = new MaskTool();
 const strip = new FilmStrip(element("strip"), palette, (frame) => void leaveFor(() => frame));
 const landmarkList = new LandmarkList(element("landmarks"), choose);
 const notices = new Notices(element("notices"));
@@ -267,6 +269,32 @@ function free(): void {
   changes.add(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
 }
 
+/** What was painted goes to the hand that is chosen. */
+function endStroke(): void {
+  const { side } = state;
+  const { radius_px } = maskTool;
+  const erases = maskTool.tool === "eraser";
+  for (const points of maskTool.end()) {
+    changes.add(() => ({ act: "brush", frame: state.frame, side, revision: handLabels()?.revision ?? 0, points, radius_px, erases }));
+  }
+  state.imageChanged = true;
+}
+
+function outline(): void {
+  changes.add(() => ({ act: "outline", frame: state.frame, side: state.side, revision: handLabels()?.revision ?? 0 }));
+}
+
+function chooseTool(tool: Tool): void {
+  maskTool.tool = tool;
+  document.querySelector<HTMLInputElement>(`#tool [value=${tool}]`)!.checked = true;
+  state.imageChanged = true;
+}
+
+function resizeBrush(by: 1 | -1): void {
+  maskTool.resize(by);
+  state.imageChanged = true;
+}
+
 // ---- Drawing ----
 
 function fitCanvas(canvas: HTMLCanvasElement): void {
@@ -283,6 +311,7 @@ function drawImage(): void {
   imageView.colour(images, state.header.depth_unit_mm, range);
   fitCanvas(imageCanvas);
   imageView.draw(state.header, bones());
+  maskTool.draw(imageCanvas, imageView, state.labels, state.side);
   if (imageView.showsSkeleton) drawLabelMarks(imageCanvas, imageView, state.header.record.hands, state.labels, state);
 }
 
@@ -306,6 +335,8 @@ function showAll(): void {
   setText(element("hand-state"), labels ? `${labels.side}, ${labels.state}, by ${labels.author}` : `no ${state.side} hand is labelled`);
   const fit = labels && labels.rms_mm !== null ? `${labels.rms_mm.toFixed(1)} mm from the labels, skin ${labels.gap_mm?.toFixed(1) ?? "–"} mm` : "–";
   setText(element("fit"), state.fit_ms === null ? fit : `${fit}; ${state.fit_ms.toFixed(0)} ms`);
+  const size = labels?.mask ? `${pixelsIn(labels.mask)} px` : "none";
+  setText(element("mask"), maskTool.tool === "landmarks" ? size : `${size}; ${maskTool.tool} of ${maskTool.radius_px} px`);
   const { standings } = state;
   const count = standings ? [...standings.states].filter((letter) => letter === "v").length : 0;
   setText(element("progress"), standings ? `${count} of ${state.info.frames} frames${standings.median_s === null ? "" : `, ${standings.median_s.toFixed(0)} s per hand`}` : "–");
@@ -424,7 +455,10 @@ function listenToImage(): void {
     if (!state.header) return;
     const at: Point2 = [event.offsetX, event.offsetY];
     const pans = event.button !== 0;
-    if (!pans) {
+    if (!pans && maskTool.tool !== "landmarks") {
+      maskTool.begin(imageView.placeAt(...at));
+      state.imageChanged = true;
+    } else if (!pans) {
       const found = landmarkAt(...at, inImage);
       if (found) {
         state.side = found.side;
@@ -462,6 +496,10 @@ function listenToCloud(): void {
 function listenToDrags(): void {
   for (const canvas of [imageCanvas, cloudCanvas]) {
     canvas.addEventListener("pointermove", (event) => {
+      if (canvas === imageCanvas && maskTool.tool !== "landmarks") {
+        maskTool.move(imageView.placeAt(event.offsetX, event.offsetY));
+        state.imageChanged = true;
+      }
       const { drag } = state;
       if (!drag || (drag.view === "image") !== (canvas === imageCanvas)) return showProbe(canvas, event);
       drag.at = [event.offsetX, event.offsetY];
@@ -471,6 +509,7 @@ function listenToDrags(): void {
     });
     canvas.addEventListener("pointerup", endDrag);
     canvas.addEventListener("pointercancel", () => {
+      maskTool.drop();
       if (state.drag) dropDrag();
       void openFrame(state.frame);
     });
@@ -492,6 +531,7 @@ function dropDrag(): void {
 }
 
 function endDrag(): void {
+  if (maskTool.stroke) endStroke();
   const { drag } = state;
   if (!drag) return;
   const wanted = drag.hasMoved && !drag.pans ? dragged() : null;
@@ -577,6 +617,7 @@ function listenToControls(): void {
   click("redo", () => stepBack("redo"));
   click("verify", () => verify(false));
   click("free", free);
+  click("outline", outline);
   click("theme", () => { nextTheme(); showTheme(); });
   click("help", () => element<HTMLDialogElement>("help-dialog").showModal());
   click("reset", aim);
@@ -586,6 +627,7 @@ function listenToControls(): void {
   changed("visible", toggleVisible);
   changed("model", (box) => setModel(box.checked));
   changed("side", (box) => chooseSide(box.value as Side));
+  changed("tool", (box) => chooseTool(box.value as Tool));
   changed("order", (box) => setOrder(box.value as StripOrder));
   changed("image-kind", (box) => chooseImage(box.value as ImageKind));
   changed("show-skeleton", (box) => {
@@ -617,6 +659,12 @@ function shortcuts(): Shortcut[] {
     { keys: ["u", "U"], shown: "U", does: "the landmark follows the model again", act: () => { if (!element<HTMLButtonElement>("free").disabled) free(); } },
     { keys: ["m", "M"], shown: "M", does: "hand model on and off", act: () => setModel(!state.usesModel) },
     { keys: ["s", "S"], shown: "S", does: "right hand, left hand", act: () => chooseSide(state.side === "right" ? "left" : "right") },
+    { keys: ["l", "L"], shown: "L", does: "the pointer places landmarks", act: () => chooseTool("landmarks") },
+    { keys: ["b", "B"], shown: "B", does: "it paints the hand's mask", act: () => chooseTool("brush") },
+    { keys: ["e", "E"], shown: "E", does: "it erases from the mask", act: () => chooseTool("eraser") },
+    { keys: ["{"], shown: "{", does: "a smaller brush", act: () => resizeBrush(-1), repeats: true },
+    { keys: ["}"], shown: "}", does: "a larger brush", act: () => resizeBrush(1), repeats: true },
+    { keys: ["g", "G"], shown: "G", does: "the mask begins with what was measured on the hand model", act: outline },
     { keys: ["o", "O"], shown: "O", does: "frames in time, worst first", act: () => setOrder(strip.order === "time" ? "doubt" : "time") },
     { keys: ["i", "I"], shown: "I", does: "depth, infrared", act: () => chooseImage(imageView.kind === "depth" ? "infrared" : "depth") },
     { keys: ["k", "K"], shown: "K", does: "skeleton on and off", act: () => flip("show-skeleton") },
@@ -690,6 +738,9 @@ Object.assign(globalThis, {
     imageAt: (at: Point2) => imageView.canvasAt(at),
     cloudAt: (at: Point3) => cloudView?.canvasAt(at) ?? null,
     landmark: () => state.landmark,
+    tool: () => maskTool.tool,
+    brush_px: () => maskTool.radius_px,
+    placeAt: (x: number, y: number) => imageView.placeAt(x, y),
     answered_ms: () => changes.answered_ms,
     fit_ms: () => state.fit_ms,
     standings: () => state.standings,
