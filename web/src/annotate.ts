@@ -16,10 +16,15 @@ import { inWords, LandmarkList } from "./landmark_list.ts";
 import { MaskTool, pixelsIn, type Tool } from "./mask_tool.ts";
 import { depthPalette } from "./palette.ts";
 import { Announcer, element, Notices, setText } from "./panel.ts";
-import { FrameImages, MessageError, type FrameHeader, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
+import { FrameImages, MessageError, type FrameHeader, type FrameMessage, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
 import { kTurn_deg, listenToKeys, listenToTurningKeys, listShortcuts, type Shortcut } from "./shortcuts.ts";
 import { currentTheme, nextTheme, remember, remembered, restoreTheme } from "./theme.ts";
 import { WorkTimer } from "./work_timer.ts";
+
+// Asked for before anything is set up: opening WebGL takes a while, in which the program can answer.
+const firstFrame = Math.max(0, Math.trunc(Number(new URLSearchParams(location.search).get("frame") ?? "0")) || 0);
+const first = { info: fetchInfo(), frame: fetchFrame(firstFrame) };
+for (const answer of Object.values(first)) answer.catch(() => undefined);  // whoever waits for it hears of it
 
 const kReach_px = 14;  // of a landmark around the pointer
 const kCloseness = 2.2;  // of the points: the hand fills the view
@@ -121,12 +126,13 @@ function remark(text: string): void {
 
 let opening = 0;
 
-async function openFrame(frame: number): Promise<void> {
+/** `early`: the frame, where it was asked for already. */
+async function openFrame(frame: number, early: Promise<FrameMessage> | null = null): Promise<void> {
   const count = state.info?.frames ?? 0;
   if (!(frame >= 0 && frame < count)) return;
   const turn = ++opening;
   await attempt(async () => {
-    const message = await fetchFrame(frame);
+    const message = await (early ?? fetchFrame(frame));
     if (turn !== opening) return;  // another one was asked for meanwhile
     const isOther = frame !== state.frame || state.header === null;
     images.take(message);
@@ -712,7 +718,7 @@ function showTheme(): void {
 
 async function begin(): Promise<void> {
   await attempt(async () => {
-    const info = await fetchInfo();
+    const info = await first.info;
     state.info = info;
     state.landmark = info.landmarks[0] ?? "wrist";
     landmarkList.make(info.landmarks);
@@ -720,8 +726,7 @@ async function begin(): Promise<void> {
     setText(element("file"), `${info.file}, by ${info.author}`);
     setText(element("version"), `Knuckle ${info.version}`);
     document.title = `${info.source} – Knuckle annotate`;
-    const asked = Number(new URLSearchParams(location.search).get("frame") ?? "0");
-    await openFrame(Number.isInteger(asked) && asked >= 0 && asked < info.frames ? asked : 0);
+    await (firstFrame < info.frames ? openFrame(firstFrame, first.frame) : openFrame(0));
     askForStandings();
   });
   listenToChanges(takeChange, showConnection);
