@@ -28,7 +28,7 @@ for (const answer of Object.values(first)) answer.catch(() => undefined);  // wh
 
 const kReach_px = 14;  // of a landmark around the pointer
 const kCloseness = 2.2;  // of the points: the hand fills the view
-const kRangeMargin_mm = 60;
+const kRangeMargin_mm = 30;  // joints lie 10 to 20 mm below the skin; more, and fingers are hard to tell apart
 const kRemarkShown_ms = 8000;
 
 /** All that the page knows; what is seen follows from it. */
