@@ -17,9 +17,9 @@ struct BrushStroke {
   bool erases = false;                        ///< takes pixels away instead
 };
 
-inline constexpr std::size_t kMostStrokePoints = 256;
-inline constexpr double kSmallestBrushPx = 0.5;
-inline constexpr double kLargestBrushPx = 100.0;
+inline constexpr std::size_t kMostStrokePoints = 256;  ///< that a message may have
+inline constexpr double kSmallestBrushPx = 0.5;        ///< least radius [px]
+inline constexpr double kLargestBrushPx = 100.0;       ///< largest radius [px]
 
 /// Paints pixels whose centres lie within the radius of the stroke's way; what lies outside of the image is
 /// not painted.
