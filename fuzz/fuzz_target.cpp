@@ -14,7 +14,7 @@
 namespace knuckle::fuzz {
 namespace {
 
-constexpr std::array<FuzzTarget, 35> kTargets{{
+constexpr std::array<FuzzTarget, 36> kTargets{{
     {"body", run_body},
     {"boxes", run_boxes},
     {"calibration", run_calibration},
@@ -49,6 +49,7 @@ constexpr std::array<FuzzTarget, 35> kTargets{{
     {"segmentation_forest", run_segmentation_forest},
     {"source", run_source},
     {"toml", run_toml},
+    {"worker_samples", run_worker_samples},
     {"zip", run_zip},
 }};
 

@@ -82,5 +82,6 @@ void run_control(Bytes bytes);
 void run_request(Bytes bytes);
 void run_labels(Bytes bytes);
 void run_label_request(Bytes bytes);
+void run_worker_samples(Bytes bytes);
 
 }  // namespace knuckle::fuzz

@@ -42,8 +42,9 @@ synthetic() {
   synthetic kinect_v1 880 1000
   synthetic kinect_v2 600 700
   synthetic sr300 500 600
+  synthetic d400 600 800
   if [[ -n $recordings ]]; then
-    for set in rgbd_sequence sr305_open_hand sr305_other kinect_scenes; do
+    for set in rgbd_sequence sr305_open_hand sr305_other kinect_scenes kinect2_hand table_cam2 table_cam4 table_cam6; do
       measure "folder:$recordings/$set" "recorded, $set" "real_$set"
     done
   fi

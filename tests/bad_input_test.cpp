@@ -2,7 +2,10 @@
 // Bad input ends with status 1 and one line that names file and fault; nothing half-written stays.
 #include "program.h"
 
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/text_file.h"
@@ -14,9 +17,7 @@ namespace knuckle::testing {
 namespace {
 
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr const char* kDemoManifest = "manifests/demo.toml";
@@ -322,7 +323,13 @@ TEST_F(BadInputTest, AFrameOfNoiseOrAHandAtTheBorderIsAStatus) {
 TEST_F(BadInputTest, AFifoAFolderADeviceOrASocketInPlaceOfAFile) {
   ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
   make_folder(path("folder"));
-  for (const std::string& file : {path("fifo"), path("folder"), std::string("/dev/zero")}) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path("socket").copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  ::close(socket);
+  for (const std::string& file : {path("fifo"), path("folder"), path("socket"), std::string("/dev/zero")}) {
     EXPECT_THAT(inspect("h5:" + file), FailedWith("expected a file, found a"));
     EXPECT_THAT(inspect("synthetic:" + file), FailedWith("expected a file, found a"));
     EXPECT_THAT(estimate(kDemoSource, file), FailedWith("expected a file, found a"));

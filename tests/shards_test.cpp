@@ -12,7 +12,6 @@ namespace fs = std::filesystem;
 namespace knuckle::testing {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr const char* kDemoManifest = "manifests/demo.toml";

@@ -335,7 +335,10 @@ TEST_F(VerbsTest, LandmarksThatAreLabelledElsewhereAreLearnedAndApplied) {
 TEST_F(VerbsTest, SyntheticFramesAreScoredInTheLandmarksOfADataSet) {
   const std::string source = "synthetic:manifests/demo.toml?count=4";
   ASSERT_THAT(run_program({"estimate", "--source", source, "--out", path("poses.txt")}), Succeeded());
-  for (const auto& [file, count] : {std::pair{"landmarks/nyu14.toml", 14}, {"landmarks/icvl16.toml", 16}}) {
+  for (const auto& [file, count] : {std::pair{"landmarks/nyu14.toml", 14},
+                                    {"landmarks/icvl16.toml", 16},
+                                    {"mediapipe21", 21},
+                                    {"icg20", 20}}) {
     ASSERT_THAT(run_program({"evaluate", "--truth", source, "--predictions", "m=" + path("poses.txt"),
                              "--landmarks", file, "--json", path("scores.json")}),
                 Succeeded());

@@ -38,7 +38,8 @@ RunIdentity identity_of(const EstimateArguments& arguments, const Pipeline& pipe
   return {{"version of knuckle", KNUCKLE_VERSION},
           {"source (its settings or files)", source_fingerprint(arguments.source, written)},
           {"pipeline (its options)", text_hash(pipeline.resolved_options())},
-          {"landmarks", arguments.landmarks.empty() ? "the model's" : content_hash(arguments.landmarks)},
+          {"landmarks",
+           arguments.landmarks.empty() ? "the model's" : content_hash(definition_file(arguments.landmarks))},
           {"model", text_hash(Inputs().add_models(arguments.pipeline).text())}};
 }
 
@@ -83,7 +84,8 @@ void run_estimate(const EstimateArguments& arguments) {
   }
   const auto source = open_source(arguments.source);
   Pipeline pipeline = Pipeline::load(arguments.pipeline);
-  if (!arguments.landmarks.empty()) pipeline.use_landmarks(LandmarkDefinition::load(arguments.landmarks));
+  if (!arguments.landmarks.empty())
+    pipeline.use_landmarks(LandmarkDefinition::load(definition_file(arguments.landmarks)));
   warn_of_replacement(arguments);
   RunWarnings warnings;
   EstimateFiles files = files_of(arguments, pipeline);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -171,6 +172,11 @@ void print_scores(const std::vector<FollowedScore>& scores) {
                score.found, score.right_side, score.invented, score.switches, score.losses,
                score.longest_loss, score.mean_3d_mm);
   }
+  for (const FollowedScore& score : scores) {
+    if (score.reliability.joints == 0) continue;
+    fmt::print("{}: confidences differ from the share of joints within {:.0f} mm by {:.1f} % on average\n",
+               score.name, kReliableMm, 100.0 * score.reliability.error);
+  }
 }
 
 void write_options(const EvaluateArguments& arguments, const std::filesystem::path& output) {
@@ -215,15 +221,30 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
   write_out(arguments, report);
 }
 
+/// Says where the truth's landmarks lie elsewhere than those of predictions that could be moved there.
+void tell_of_definition(const Truth& truth, const std::vector<Predictions>& predictions) {
+  const Convention& labelled = truth.sequence.convention;
+  if (map_convention(labelled, superset_convention()).missing.empty() || !shipped_definition(labelled))
+    return;
+  const bool can_be_moved = std::ranges::any_of(predictions, [](const Predictions& method) {
+    return map_convention(method.sequence.convention, superset_convention()).missing.empty();
+  });
+  if (!can_be_moved) return;
+  fmt::print("{} has its landmarks elsewhere on the hand: --landmarks {} moves predictions there\n",
+             labelled.name, labelled.name);
+}
+
 void score_labelled(const EvaluateArguments& arguments, OpenedTruth& opened) {
   std::optional<LandmarkDefinition> definition;
-  if (!arguments.landmarks.empty()) definition = LandmarkDefinition::load(arguments.landmarks);
+  if (!arguments.landmarks.empty())
+    definition = LandmarkDefinition::load(definition_file(arguments.landmarks));
   std::vector<Predictions> predictions = read_predictions(arguments, opened.truth, opened.pixel_origin);
   if (definition) move_landmarks(*definition, opened.truth, predictions);
   Report report;
   if (!predictions.empty()) {
     report.evaluation = evaluate(opened.truth, predictions, arguments.common);
     print_scores(*report.evaluation);
+    if (!definition) tell_of_definition(opened.truth, predictions);
   }
   report.segmentation = score_box_files(arguments, opened.truth);
   if (!report.segmentation.empty()) print_scores(report.segmentation);

@@ -42,8 +42,8 @@ std::vector<LabelledPoints> labelled_points(const FrameSource& source, const Pip
 }
 
 void print_fit(const LandmarkFit& fit) {
-  fmt::print("{:<16} {:>7} {:>10} {:>9} {:>16}   offset along, aside, backwards\n", "landmark", "frames",
-             "before mm", "after mm", "cross-validated");
+  fmt::print("{:<16} {:>7} {:>10} {:>9} {:>16}   offset along, aside, backwards of a straight finger\n",
+             "landmark", "frames", "before mm", "after mm", "cross-validated");
   const auto print_score = [](std::string_view name, const LandmarkFitScore& score) {
     fmt::print("{:<16} {:>7} {:>10.2f} {:>9.2f} {:>16.2f}", name, score.frames, score.before_mm,
                score.after_mm, score.validated_mm);
@@ -76,7 +76,9 @@ void run_landmarks(const LandmarksArguments& arguments) {
   const std::vector<LabelledPoints> frames = labelled_points(*source, pipeline, truth);
   const LandmarkFit fit = [&] {
     try {
-      return fit_landmarks(truth.sequence.convention, frames);
+      const Convention& convention = truth.sequence.convention;
+      return fit_landmarks(shipped_definition(convention).value_or(LandmarkDefinition::plain(convention)),
+                           frames);
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", arguments.source, error.what()));
     }

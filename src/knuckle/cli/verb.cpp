@@ -114,7 +114,11 @@ void add_init_option(CLI::App& verb, std::string& init) {
 }
 
 void add_landmarks_option(CLI::App& verb, std::filesystem::path& landmarks, const std::string& does) {
-  verb.add_option("--landmarks", landmarks, does + ", a file of `knuckle landmarks`")->type_name("FILE");
+  verb.add_option("--landmarks", landmarks,
+                  does +
+                      ": a file of `knuckle landmarks`, or mediapipe21, icg20, nyu14, icvl16 of those that "
+                      "are shipped")
+      ->type_name("FILE");
 }
 
 const std::vector<std::string>& command_line_arguments() {

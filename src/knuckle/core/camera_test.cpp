@@ -38,6 +38,11 @@ TEST(CameraTest, ImpossibleValuesAreNamed) {
   EXPECT_NO_THROW(check(example_camera()));
   EXPECT_THAT(fault([](Camera& c) { c.width = 0; }), HasSubstr("width is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.height = -1; }), HasSubstr("height is -1"));
+  EXPECT_THAT(fault([](Camera& c) { c.width = 16385; }), HasSubstr("expected at most 16384 a side"));
+  EXPECT_THAT(fault([](Camera& c) { c.height = 16385; }), HasSubstr("expected at most 16384 a side"));
+  Camera largest = example_camera();
+  largest.width = largest.height = 16384;
+  EXPECT_NO_THROW(check(largest));
   EXPECT_THAT(fault([](Camera& c) { c.fx = 0.0; }), HasSubstr("fx is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.fy = kNaN; }), HasSubstr("fy is nan"));
   EXPECT_THAT(fault([](Camera& c) { c.cx = kNaN; }), HasSubstr("cx is nan"));

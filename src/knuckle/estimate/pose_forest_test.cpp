@@ -22,7 +22,6 @@ using ::testing::HasSubstr;
 using testing::kTestPatchSize;
 using testing::made_up_hand;
 using testing::made_up_model;
-using testing::made_up_set;
 using testing::TemporaryFolder;
 
 const Convention& convention() {

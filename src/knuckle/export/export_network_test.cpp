@@ -21,7 +21,6 @@
 namespace knuckle {
 namespace {
 
-using ::testing::Each;
 using testing::error_of;
 using ::testing::HasSubstr;
 

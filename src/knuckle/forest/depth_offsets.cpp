@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "knuckle/core/error.h"
 #include "knuckle/core/portable_math.h"
 
 namespace knuckle {
@@ -19,6 +20,24 @@ DepthOffset drawn_offset(const OffsetOptions& options, Random& random) {
   const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
   return {static_cast<std::int16_t>(std::lround(length * portable_cos(angle))),
           static_cast<std::int16_t>(std::lround(length * portable_sin(angle)))};
+}
+
+void OffsetScale::append_to(std::vector<std::byte>& message) const {
+  append_value(message, std::uint8_t{is_projective_});
+  append_value(message, x_);
+  append_value(message, y_);
+}
+
+OffsetScale OffsetScale::read(MessageReader& reader) {
+  const auto projective = reader.value<std::uint8_t>();
+  OffsetScale scale{Camera{}};
+  scale.is_projective_ = projective == 1;
+  scale.x_ = reader.value<float>();
+  scale.y_ = reader.value<float>();
+  if (projective > 1 || !(scale.x_ >= 0.0F) || !(scale.y_ >= 0.0F)) {
+    fail("a worker's message: no camera has the scale {} and {} (kind {})", scale.x_, scale.y_, projective);
+  }
+  return scale;
 }
 
 BorderedDepth::BorderedDepth(const Image<float>& depth_mm)

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "knuckle/core/camera.h"
 #include "knuckle/core/frame.h"
 #include "knuckle/core/image.h"
 #include "knuckle/core/options.h"
 #include "knuckle/core/random.h"
+#include "knuckle/core/worker_messages.h"
 
 namespace knuckle {
 
@@ -92,6 +95,12 @@ class OffsetScale {
     const float divisor = is_projective_ ? static_cast<float>(depth_mm) : 1.0F;
     return {rounded(x_ / divisor), rounded(y_ / divisor)};
   }
+
+  /// What append_to adds to a message to another worker.
+  static constexpr std::size_t kMessageBytes = 1 + 2 * sizeof(float);
+  void append_to(std::vector<std::byte>& message) const;
+  /// Reads what append_to wrote. Throws an Error where it is no camera's.
+  static OffsetScale read(MessageReader& reader);
 
  private:
   static std::int32_t rounded(float scale) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/forest/mixed_hash.h"
 
 namespace knuckle {
@@ -59,7 +60,8 @@ DepthTiles DepthTiles::read(MessageReader& reader) {
   constexpr std::uint64_t kPixels = std::uint64_t{kSide} * kSide;
   const auto lengths = reader.value<Lengths>();
   const auto tiles_along = [](std::int64_t pixels) { return (pixels + kSide - 1) / kSide + 2; };
-  const bool fits = lengths.width >= 0 && lengths.height >= 0 &&
+  const auto is_side = [](std::int32_t pixels) { return pixels >= 0 && pixels <= limits::kImageSide; };
+  const bool fits = is_side(lengths.width) && is_side(lengths.height) &&
                     lengths.tiles == static_cast<std::uint64_t>(tiles_along(lengths.width)) *
                                          static_cast<std::uint64_t>(tiles_along(lengths.height)) &&
                     lengths.tiles <= reader.bytes_left() && lengths.pixels <= reader.bytes_left() &&
@@ -75,6 +77,9 @@ DepthTiles DepthTiles::read(MessageReader& reader) {
   reader.read(std::span(image.pixels_));
   for (const std::uint16_t tile : image.tiles_) {
     if (tile >= lengths.pixels / kPixels) fail("a worker's message: a depth image has no tile {}", tile);
+  }
+  for (const std::int16_t depth : image.pixels_) {
+    if (depth < 1 || depth > kFarDepth) fail("a worker's message: a depth of {} mm", depth);
   }
   return image;
 }

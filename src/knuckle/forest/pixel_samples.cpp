@@ -58,14 +58,14 @@ std::size_t PixelSamples::bytes() const {
 
 std::size_t PixelSamples::message_bytes(std::uint32_t index) const {
   const DepthImage& image = images_[index];
-  return image.depth.message_bytes() + sizeof(image.scale) + sizeof(std::uint64_t) +
+  return image.depth.message_bytes() + OffsetScale::kMessageBytes + sizeof(std::uint64_t) +
          image.pixels.size() * sizeof(LabelledPixel);
 }
 
 void PixelSamples::take(std::uint32_t index, std::vector<std::byte>& message) {
   DepthImage& image = images_[index];
   image.depth.append_to(message);
-  append_value(message, image.scale);
+  image.scale.append_to(message);
   append_value(message, std::uint64_t{image.pixels.size()});
   append_values(message, std::span<const LabelledPixel>(image.pixels));
   image = {};
@@ -80,7 +80,7 @@ std::uint32_t PixelSamples::put(MessageReader& reader) {
   const std::uint32_t index = free_.back();
   DepthImage& image = images_[index];
   image.depth = DepthTiles::read(reader);
-  reader.read(std::span(&image.scale, 1));
+  image.scale = OffsetScale::read(reader);
   const auto pixels = reader.value<std::uint64_t>();
   if (pixels > reader.bytes_left()) fail("a worker's message: an image of {} pixels ends early", pixels);
   image.pixels.resize(pixels);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -10,7 +11,9 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/options.h"
 #include "knuckle/core/own_convention.h"
+#include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
+#include "knuckle/hand/landmark_points.h"
 
 namespace knuckle {
 namespace {
@@ -127,12 +130,14 @@ struct LandmarkEntry {
   std::vector<double> offset{0.0, 0.0, 0.0};
   std::string towards;
   double share = 0.0;
+  std::vector<double> bent{0.0, 0.0, 0.0};
 
   void visit(OptionVisitor& visitor) {
     visitor.choice("bone", bone, superset_names());
     visitor.reals("offset", offset, closed(-kLargestOffset, kLargestOffset), 3, 3);
     visitor.choice("towards", towards, superset_names());
     visitor.real("share", share, closed(-1, 2));
+    visitor.reals("bent", bent, closed(-kLargestOffset, kLargestOffset), 3, 3);
   }
 };
 
@@ -170,10 +175,16 @@ DefinedLandmark read_landmark(const OptionTable& document, Landmark landmark) {
   if (table.has("share") && !table.has("towards")) fail("{}: [{}] lacks 'towards'", document.origin(), name);
   LandmarkEntry entry;
   table.read(entry);
-  DefinedLandmark read{superset_landmark(entry.bone), {entry.offset[0], entry.offset[1], entry.offset[2]}};
+  DefinedLandmark read{superset_landmark(entry.bone), Eigen::Vector3d::Map(entry.offset.data())};
   if (!entry.towards.empty()) read.towards = superset_landmark(entry.towards);
   read.share = entry.share;
+  if (table.has("bent")) read.bent = Eigen::Vector3d::Map(entry.bent.data());
   return read;
+}
+
+/// A line of a landmark's table: three numbers.
+std::string vector_line(std::string_view key, const Eigen::Vector3d& numbers) {
+  return fmt::format("{} = [{:.5f}, {:.5f}, {:.5f}]\n", key, numbers.x(), numbers.y(), numbers.z());
 }
 
 std::string landmark_list(const Convention& convention) {
@@ -226,10 +237,10 @@ std::string LandmarkDefinition::as_toml() const {
       fmt::format("format = \"{}\"\nversion = {}\nconvention = \"{}\"\n", kFormat, kVersion, convention.name);
   if (std::ranges::find(conventions(), convention) == conventions().end()) text += landmark_list(convention);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const Eigen::Vector3d& offset = landmarks[i].offset;
-    text += fmt::format("\n[{}]\nbone = \"{}\"\noffset = [{:.5f}, {:.5f}, {:.5f}]\n",
-                        name_of(convention.landmarks[i]), name_of(landmarks[i].bone), offset.x(), offset.y(),
-                        offset.z());
+    text +=
+        fmt::format("\n[{}]\nbone = \"{}\"\n", name_of(convention.landmarks[i]), name_of(landmarks[i].bone));
+    text += vector_line("offset", landmarks[i].offset);
+    if (landmarks[i].bent) text += vector_line("bent", *landmarks[i].bent);
     if (landmarks[i].towards) {
       text +=
           fmt::format("towards = \"{}\"\nshare = {}\n", name_of(*landmarks[i].towards), landmarks[i].share);
@@ -243,16 +254,46 @@ std::vector<Point3> LandmarkDefinition::on(const SupersetPoints& hand, HandSide 
   std::vector<Point3> points;
   points.reserve(landmarks.size());
   for (const DefinedLandmark& landmark : landmarks) {
-    Point3 origin = point_of(hand, landmark.bone);
-    if (landmark.towards) origin += landmark.share * (point_of(hand, *landmark.towards) - origin);
-    if (landmark.offset.isZero(0.0)) {
+    const Point3 origin = offset_origin(hand, landmark);
+    if (landmark.offset.isZero(0.0) && !landmark.bent) {
       points.push_back(origin);
       continue;
     }
+    Eigen::Vector3d offset = landmark.offset;
+    if (landmark.bent) offset += finger_bend(hand, landmark.bone) * (*landmark.bent - landmark.offset);
     const std::optional<Eigen::Matrix3d> axes = bone_axes(hand, side, landmark.bone);
-    points.push_back(axes ? Point3(origin + *axes * (unit * landmark.offset)) : Point3::Constant(kNaN));
+    points.push_back(axes ? Point3(origin + *axes * (unit * offset)) : Point3::Constant(kNaN));
   }
   return points;
+}
+
+std::optional<LandmarkDefinition> shipped_definition(const Convention& convention) {
+  const std::filesystem::path file = resource_path(fmt::format("landmarks/{}.toml", convention.name));
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  return LandmarkDefinition::load(file);
+}
+
+std::filesystem::path definition_file(const std::filesystem::path& text) {
+  if (std::filesystem::exists(text) || text.has_parent_path()) return text;
+  const std::filesystem::path shipped = resource_path(fmt::format("landmarks/{}.toml", text.string()));
+  return std::filesystem::exists(shipped) ? shipped : text;
+}
+
+Point3 offset_origin(const SupersetPoints& hand, const DefinedLandmark& landmark) {
+  const Point3& bone = point_of(hand, landmark.bone);
+  if (!landmark.towards) return bone;
+  return bone + landmark.share * (point_of(hand, *landmark.towards) - bone);
+}
+
+double finger_bend(const SupersetPoints& hand, Landmark landmark) {
+  constexpr int kFirstOfDigits = static_cast<int>(Landmark::thumb_cmc);
+  constexpr int kMiddle = 2;
+  const int number = static_cast<int>(landmark) - kFirstOfDigits;
+  const int digit = number < 0 ? kMiddle : number / 4;
+  const auto joint = [&](int which) { return point_of(hand, landmark_of_digit(digit, which)); };
+  const Eigen::Vector3d first = joint(1) - joint(0);
+  const Eigen::Vector3d last = joint(3) - joint(2);
+  return std::atan2(first.cross(last).norm(), first.dot(last)) / std::numbers::pi;
 }
 
 double palm_length(const SupersetPoints& hand) {

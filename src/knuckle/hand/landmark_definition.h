@@ -26,6 +26,9 @@ struct DefinedLandmark {
   Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< along the bone's axes (`bone_axes`) [palm lengths]
   std::optional<Landmark> towards = {};   ///< another of the 22
   double share = 0.0;                     ///< of the way from `bone` to `towards`, [-1, 2]
+  /// The offset where the finger is folded back on itself (`finger_bend` 1); in between it changes with the
+  /// bend. Nothing: the offset is the same however the finger is bent.
+  std::optional<Eigen::Vector3d> bent = {};
 };
 
 /// Where the landmarks of a convention lie on the hand, as those who label it place them: data sets differ by
@@ -48,6 +51,21 @@ struct LandmarkDefinition {
   /// mirrored landmarks. Throws nothing; safe to call from many threads.
   std::vector<Point3> on(const SupersetPoints& hand, HandSide side) const;
 };
+
+/// The convention's definition that comes with Knuckle, landmarks/NAME.toml; nothing where there is none.
+/// Throws an Error where the file is wrong.
+std::optional<LandmarkDefinition> shipped_definition(const Convention& convention);
+
+/// The file that a user means: `text` where there is such a file, else landmarks/TEXT.toml of those that come
+/// with Knuckle, else `text` itself, whose reader will say that it is missing.
+std::filesystem::path definition_file(const std::filesystem::path& text);
+
+/// The point of one of the 22 from which a landmark's offset counts [mm]; NaN where it is not known.
+Point3 offset_origin(const SupersetPoints& hand, const DefinedLandmark& landmark);
+
+/// How far the finger of one of the 22 is bent: the angle between its first and its last phalanx in parts of
+/// 180 degrees, [0, 1]. Of wrist and palm that of the middle finger. NaN where it is not known.
+double finger_bend(const SupersetPoints& hand, Landmark landmark);
 
 /// From the wrist to the middle finger's MCP joint [mm]; NaN where one is not known.
 double palm_length(const SupersetPoints& hand);

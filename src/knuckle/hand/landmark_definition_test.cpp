@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/hand/landmark_definition.h"
 
+#include <array>
 #include <fstream>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/landmark_points.h"
 #include "knuckle/hand/skeleton_testing.h"
 
 namespace knuckle {
@@ -31,8 +34,13 @@ SupersetPoints random_hand(Random& random) {
 
 LandmarkDefinition random_definition(const Convention& convention, Random& random) {
   LandmarkDefinition definition = LandmarkDefinition::plain(convention);
-  for (DefinedLandmark& landmark : definition.landmarks)
-    landmark.offset = {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
+  const auto offset = [&]() -> Eigen::Vector3d {
+    return {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
+  };
+  for (DefinedLandmark& landmark : definition.landmarks) {
+    landmark.offset = offset();
+    if (landmark.bone != Landmark::wrist) landmark.bent = offset();
+  }
   return definition;
 }
 
@@ -150,6 +158,10 @@ TEST(LandmarkDefinitionTest, AreReadAsTheyWereWritten) {
     for (std::size_t i = 0; i < read.landmarks.size(); ++i) {
       EXPECT_EQ(read.landmarks[i].bone, written.landmarks[i].bone);
       EXPECT_LT((read.landmarks[i].offset - written.landmarks[i].offset).norm(), 1e-5);
+      ASSERT_EQ(read.landmarks[i].bent.has_value(), written.landmarks[i].bent.has_value());
+      const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+      EXPECT_LT((read.landmarks[i].bent.value_or(none) - written.landmarks[i].bent.value_or(none)).norm(),
+                1e-5);
     }
   }
 }
@@ -194,7 +206,7 @@ TEST(LandmarkDefinitionTest, OfAConventionOfOnesOwnIsReadAndWritten) {
 TEST(LandmarkDefinitionTest, ThoseThatAreShippedCoverTheirConventions) {
   Random random(6);
   const SupersetPoints hand = random_hand(random);
-  for (const char* name : {"icvl16", "nyu14"}) {
+  for (const char* name : {"icg20", "icvl16", "mediapipe21", "nyu14"}) {
     const LandmarkDefinition definition =
         LandmarkDefinition::load(testing::project_folder() / "landmarks" / (std::string(name) + ".toml"));
     EXPECT_EQ(definition.convention.name, name);
@@ -209,6 +221,90 @@ TEST(LandmarkDefinitionTest, ThoseThatAreShippedCoverTheirConventions) {
   EXPECT_NEAR((first - second).norm(), 0.31 * palm_length(adult), 1e-6);
   EXPECT_GT(second.x(), first.x());  // x points to the thumb's side
   EXPECT_LT(first.y(), adult[0].y());
+}
+
+/// The bones of a digit, from its first joint outwards, and the way there from the wrist [mm].
+struct DigitLengths {
+  double from_wrist;
+  std::array<double, 3> bones;
+};
+
+// MANO's mean hand, thumb to little.
+constexpr std::array<DigitLengths, 5> kManoDigits = {{{38.6, {30.8, 27.1, 34.7}},
+                                                      {90.6, {33.0, 22.2, 23.6}},
+                                                      {94.7, {31.7, 23.3, 26.5}},
+                                                      {86.1, {28.8, 24.8, 24.4}},
+                                                      {81.8, {21.1, 18.9, 19.1}}}};
+
+TEST(LandmarkDefinitionTest, ThatOfMediaPipeHasTheProportionsOfManosMeanHand) {
+  const auto definition = LandmarkDefinition::load(testing::project_folder() / "landmarks/mediapipe21.toml");
+  const SupersetPoints adult = landmarks(adult_skeleton(), HandAngles{}, RigidTransform::Identity());
+  const std::vector<Point3> points = definition.on(adult, HandSide::right);
+  const auto point = [&](int digit, int joint) {
+    return points[static_cast<std::size_t>(definition.convention.index_of(landmark_of_digit(digit, joint)))];
+  };
+  // MANO's mean hand spreads its fingers, so between our straight ones and its MCP joints lies more than its
+  // first bones, most at the little finger.
+  constexpr double kScale = 1.067;
+  for (int digit = 0; digit < 5; ++digit) {
+    const DigitLengths& published = kManoDigits[static_cast<std::size_t>(digit)];
+    EXPECT_NEAR((point(digit, 0) - points[0]).norm(), kScale * published.from_wrist, 1.0) << digit;
+    for (int bone = 1; bone < 3; ++bone) {
+      EXPECT_NEAR((point(digit, bone + 1) - point(digit, bone)).norm(),
+                  kScale * published.bones[static_cast<std::size_t>(bone)], 0.5)
+          << digit << bone;
+    }
+    if (digit == 0) continue;
+    const double first = (point(digit, 1) - point(digit, 0)).norm();
+    EXPECT_NEAR(first, kScale * published.bones[0], digit == 4 ? 9.0 : 4.5) << digit;
+    const Landmark mcp = landmark_of_digit(digit, 0);
+    EXPECT_GT((point(digit, 0) - adult[static_cast<std::size_t>(mcp)]).y(), 4.0) << "farther out";
+  }
+}
+
+TEST(LandmarkDefinitionTest, ThatOfIcgHasTheJointsOfAnatomyAndTheTipsOfTheSkin) {
+  const auto definition = LandmarkDefinition::load(testing::project_folder() / "landmarks/icg20.toml");
+  Random random(8);
+  const SupersetPoints hand = random_hand(random);
+  const std::vector<Point3> points = definition.on(hand, HandSide::right);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Landmark landmark = definition.convention.landmarks[i];
+    const double moved = (points[i] - hand[static_cast<std::size_t>(landmark)]).norm();
+    const bool is_tip = std::string(name_of(landmark)).ends_with("_tip");
+    EXPECT_NEAR(moved, is_tip ? 2.0 : 0.0, is_tip ? 1.0 : 0.0) << name_of(landmark);
+  }
+}
+
+TEST(LandmarkDefinitionTest, ShippedOnesAreFoundByName) {
+  EXPECT_EQ(shipped_definition(convention_from_name("mediapipe21"))->convention.name, "mediapipe21");
+  EXPECT_FALSE(shipped_definition(superset_convention()));
+  EXPECT_EQ(definition_file("mediapipe21").filename(), "mediapipe21.toml");
+  EXPECT_TRUE(std::filesystem::exists(definition_file("mediapipe21")));
+  EXPECT_EQ(definition_file("no_such"), "no_such");
+  const TemporaryFolder folder;
+  std::ofstream(folder / "icg20") << "mine";
+  EXPECT_EQ(definition_file(folder / "icg20"), folder / "icg20");
+}
+
+TEST(LandmarkDefinitionTest, AnOffsetMayChangeWithTheBend) {
+  const HandSkeleton& adult = adult_skeleton();
+  LandmarkDefinition definition = LandmarkDefinition::plain(convention_from_name("mediapipe21"));
+  const auto index = static_cast<std::size_t>(definition.convention.index_of(Landmark::middle_mcp));
+  definition.landmarks[index].offset = {0.1, 0.0, 0.0};
+  definition.landmarks[index].bent = Eigen::Vector3d(0.0, 0.0, 0.3);
+  HandAngles angles;
+  const SupersetPoints straight = landmarks(adult, angles, RigidTransform::Identity());
+  EXPECT_NEAR(finger_bend(straight, Landmark::middle_tip), 0.0, 1e-6);
+  EXPECT_NEAR((definition.on(straight, HandSide::right)[index] - straight[10]).norm(),
+              0.1 * palm_length(straight), 1e-6);
+  angles[HandAngle::middle_pip] = 0.5 * std::numbers::pi;
+  const SupersetPoints bent = landmarks(adult, angles, RigidTransform::Identity());
+  EXPECT_NEAR(finger_bend(bent, Landmark::middle_mcp), 0.5, 1e-6);
+  EXPECT_NEAR(finger_bend(bent, Landmark::wrist), 0.5, 1e-6) << "the wrist follows the middle finger";
+  EXPECT_NEAR(finger_bend(bent, Landmark::index_pip), 0.0, 1e-6);
+  const auto axes = bone_axes(bent, HandSide::right, Landmark::middle_mcp);
+  const Point3 expected = bent[10] + palm_length(bent) * (*axes * Eigen::Vector3d(0.05, 0.0, 0.15));
+  EXPECT_LT((definition.on(bent, HandSide::right)[index] - expected).norm(), 1e-9);
 }
 
 TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
@@ -228,6 +324,7 @@ TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
   EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, nan, 0.0]"), HasSubstr("offset"));
   EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 3.0, 0.0]"), HasSubstr("offset"));
   EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 0.0]"), HasSubstr("offset"));
+  EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\nbent = [0.0, 3.0, 0.0]"), HasSubstr("bent"));
   EXPECT_THAT(error_with("icg20", "icg99"), HasSubstr("icg99"));
   EXPECT_THAT(error_with("[index_tip]", "[index_top]"), HasSubstr("index_tip"));
   EXPECT_THAT(error_with("bone = \"palm\"\n", ""), HasSubstr("'bone'"));

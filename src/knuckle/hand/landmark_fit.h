@@ -19,7 +19,7 @@ struct LabelledPoints {
 /// How far estimates are from the labels of one landmark, on average [mm]; NaN where no frame knows it.
 struct LandmarkFitScore {
   std::int64_t frames = 0;     ///< that know it
-  double before_mm = kNaN;     ///< with all offsets 0
+  double before_mm = kNaN;     ///< from the landmark's bone itself
   double after_mm = kNaN;      ///< with offsets that were fitted to all frames
   double validated_mm = kNaN;  ///< each part of the frames with offsets that were fitted to the other parts
 };
@@ -33,16 +33,18 @@ struct LandmarkFit {
 
 inline constexpr int kFitParts = 5;             ///< of the cross-validation: contiguous parts of the frames
 inline constexpr int kFewestFittedFrames = 10;  ///< that know a landmark
+/// How strongly offsets are drawn to those of the start [1 / palm length]: as by a third of a frame that is a
+/// tenth of a palm's length off.
+inline constexpr double kStartWeight = 3.0;
 
-/// Fits three numbers per landmark, its offset in the axes of its bone, so that the sum of the distances
-/// between labels and moved estimates is least: a geometric median (Weiszfeld 1937), which a few frames that
-/// were estimated wrong hardly move. What the estimates always do wrong is taken in as well. A landmark that
-/// fewer than kFewestFittedFrames frames know stays with offset 0. Parts of the cross-validation are
-/// contiguous: neighbouring frames are alike. Throws an Error where no landmark is known in enough frames, or
-/// a frame has another number of labels than the convention.
-LandmarkFit fit_landmarks(const Convention& convention, std::span<const LabelledPoints> frames);
-
-/// The point whose distances to the points have the least sum; they are finite, and not none.
-Eigen::Vector3d geometric_median(std::span<const Eigen::Vector3d> points);
+/// Fits six numbers per landmark, its offset in the axes of its bone where the finger is straight and where
+/// it is folded back (`DefinedLandmark::bent`), so that the sum of the distances between labels and moved
+/// estimates, and of kStartWeight / 2 times the squared distances of the offsets from those of `start`, is
+/// least, by iteratively reweighted least squares (Weiszfeld 1937): a few frames that were estimated wrong
+/// hardly move it, and what few frames tell stays near the start. What the estimates always do wrong is taken
+/// in as well. A landmark that fewer than kFewestFittedFrames frames know stays as it is. Parts of the
+/// cross-validation are contiguous: neighbouring frames are alike. Throws an Error where no landmark is known
+/// in enough frames, or a frame has another number of labels than the convention.
+LandmarkFit fit_landmarks(const LandmarkDefinition& start, std::span<const LabelledPoints> frames);
 
 }  // namespace knuckle

@@ -46,36 +46,19 @@ LandmarkDefinition some_definition() {
   for (std::size_t i = 0; i < definition.landmarks.size(); ++i) {
     const auto number = static_cast<double>(i);
     definition.landmarks[i].offset = {0.01 * number, -0.1 + 0.01 * number, 0.05};
+    definition.landmarks[i].bent = Eigen::Vector3d(0.05, 0.01 * number, -0.1);
   }
   return definition;
-}
-
-TEST(GeometricMedianTest, HasTheLeastSumOfDistances) {
-  Random random(5);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 40; ++i) points.emplace_back(random.normal(), 3.0 * random.normal(), random.uniform());
-  const auto sum_from = [&](const Eigen::Vector3d& place) {
-    double sum = 0.0;
-    for (const Eigen::Vector3d& point : points) sum += (point - place).norm();
-    return sum;
-  };
-  const Eigen::Vector3d median = geometric_median(points);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double step : {-1e-3, 1e-3}) {
-      EXPECT_LT(sum_from(median), sum_from(median + step * Eigen::Vector3d::Unit(axis)));
-    }
-  }
-  EXPECT_LT((geometric_median(std::vector<Eigen::Vector3d>(3, {1, 2, 3})) - Eigen::Vector3d(1, 2, 3)).norm(),
-            1e-12);
 }
 
 TEST(LandmarkFitTest, FindsTheDefinitionThatLabelsWereMadeWith) {
   const LandmarkDefinition truth = some_definition();
   for (const HandSide side : {HandSide::right, HandSide::left}) {
     const auto frames = labelled_hands(truth, 30, 0.0, false, side);
-    const LandmarkFit fit = fit_landmarks(truth.convention, frames);
+    const LandmarkFit fit = fit_landmarks(LandmarkDefinition::plain(truth.convention), frames);
     for (std::size_t i = 0; i < truth.landmarks.size(); ++i) {
-      EXPECT_LT((fit.definition.landmarks[i].offset - truth.landmarks[i].offset).norm(), 1e-6);
+      EXPECT_LT((fit.definition.landmarks[i].offset - truth.landmarks[i].offset).norm(), 1e-4);
+      EXPECT_LT((*fit.definition.landmarks[i].bent - *truth.landmarks[i].bent).norm(), 1e-4);
       EXPECT_EQ(fit.landmarks[i].frames, 30);
       EXPECT_GT(fit.landmarks[i].before_mm, 1.0);
     }
@@ -86,7 +69,8 @@ TEST(LandmarkFitTest, FindsTheDefinitionThatLabelsWereMadeWith) {
 
 TEST(LandmarkFitTest, AFewFramesThatAreWrongHardlyMatter) {
   const LandmarkDefinition truth = some_definition();
-  const LandmarkFit fit = fit_landmarks(truth.convention, labelled_hands(truth, 100, 1.0, true));
+  const LandmarkFit fit =
+      fit_landmarks(LandmarkDefinition::plain(truth.convention), labelled_hands(truth, 100, 1.0, true));
   for (std::size_t i = 0; i < truth.landmarks.size(); ++i) {
     EXPECT_LT((fit.definition.landmarks[i].offset - truth.landmarks[i].offset).norm(), 0.01);  // 0.9 mm
   }
@@ -94,9 +78,47 @@ TEST(LandmarkFitTest, AFewFramesThatAreWrongHardlyMatter) {
   EXPECT_GE(fit.all.validated_mm, fit.all.after_mm);
 }
 
+/// What the fit makes least, of one landmark's two offsets; wanted are the labels' places.
+double fitted_sum(const std::vector<LabelledPoints>& frames, const LandmarkDefinition& definition) {
+  double sum = 0.0;
+  const DefinedLandmark& defined = definition.landmarks[5];
+  for (const LabelledPoints& frame : frames) {
+    const std::vector<Point3> points = definition.on(frame.estimated, frame.side);
+    sum += (points[5] - frame.labelled[5]).norm() / palm_length(frame.estimated);
+  }
+  return sum + 0.5 * kStartWeight * (defined.offset.squaredNorm() + defined.bent->squaredNorm());
+}
+
+TEST(LandmarkFitTest, HasTheLeastSumOfDistancesAndTheStartsPull) {
+  const auto frames = labelled_hands(some_definition(), 40, 5.0, false);
+  const LandmarkFit fit =
+      fit_landmarks(LandmarkDefinition::plain(convention_from_name("mediapipe21")), frames);
+  const double least = fitted_sum(frames, fit.definition);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double step : {-1e-3, 1e-3}) {
+      LandmarkDefinition other = fit.definition;
+      other.landmarks[5].offset[axis] += step;
+      EXPECT_LT(least, fitted_sum(frames, other)) << axis;
+      other = fit.definition;
+      (*other.landmarks[5].bent)[axis] += step;
+      EXPECT_LT(least, fitted_sum(frames, other)) << axis;
+    }
+  }
+}
+
+TEST(LandmarkFitTest, GoesOnFromItsStart) {
+  LandmarkDefinition start = LandmarkDefinition::plain(convention_from_name("icvl16"));
+  start.landmarks[6] = {Landmark::index_dip, {0.1, 0.0, 0.0}, Landmark::index_pip, 0.5};
+  const LandmarkFit fit = fit_landmarks(start, labelled_hands(start, 20, 0.0, false));
+  EXPECT_EQ(fit.definition.landmarks[6].towards, Landmark::index_pip);
+  EXPECT_LT((fit.definition.landmarks[6].offset - start.landmarks[6].offset).norm(), 1e-9);
+  EXPECT_LT((*fit.definition.landmarks[6].bent - start.landmarks[6].offset).norm(), 1e-9);
+  EXPECT_GT(fit.landmarks[6].before_mm, 5.0);
+}
+
 TEST(LandmarkFitTest, CrossValidationTellsWhatWasLearnedByHeart) {
   const LandmarkDefinition plain = LandmarkDefinition::plain(convention_from_name("icg20"));
-  const LandmarkFit fit = fit_landmarks(plain.convention, labelled_hands(plain, 14, 10.0, false));
+  const LandmarkFit fit = fit_landmarks(plain, labelled_hands(plain, 14, 10.0, false));
   EXPECT_LT(fit.all.after_mm, fit.all.before_mm);
   EXPECT_GT(fit.all.validated_mm, fit.all.before_mm) << "noise cannot be learned";
 }
@@ -105,15 +127,19 @@ TEST(LandmarkFitTest, LandmarksThatFewFramesKnowStayAndTooFewFramesAreRefused) {
   const LandmarkDefinition truth = some_definition();
   auto frames = labelled_hands(truth, 20, 0.0, false);
   for (std::size_t i = 0; i < 11; ++i) frames[i].labelled[3] = Point3::Constant(kNaN);
-  const LandmarkFit fit = fit_landmarks(truth.convention, frames);
+  const LandmarkFit fit = fit_landmarks(LandmarkDefinition::plain(truth.convention), frames);
   EXPECT_EQ(fit.definition.landmarks[3].offset, Eigen::Vector3d::Zero());
   EXPECT_EQ(fit.landmarks[3].frames, 9);
   EXPECT_TRUE(std::isnan(fit.landmarks[3].after_mm));
   EXPECT_FALSE(fit.definition.landmarks[4].offset.isZero());
   frames.resize(9);
-  EXPECT_THAT(error_of([&] { fit_landmarks(truth.convention, frames); }), HasSubstr("10 frames"));
-  EXPECT_THAT(error_of([&] { fit_landmarks(truth.convention, {}); }), HasSubstr("10 frames"));
-  EXPECT_THAT(error_of([&] { fit_landmarks(convention_from_name("icg20"), frames); }), HasSubstr("labels"));
+  EXPECT_THAT(error_of([&] { fit_landmarks(LandmarkDefinition::plain(truth.convention), frames); }),
+              HasSubstr("10 frames"));
+  EXPECT_THAT(error_of([&] { fit_landmarks(LandmarkDefinition::plain(truth.convention), {}); }),
+              HasSubstr("10 frames"));
+  EXPECT_THAT(
+      error_of([&] { fit_landmarks(LandmarkDefinition::plain(convention_from_name("icg20")), frames); }),
+      HasSubstr("labels"));
 }
 
 }  // namespace

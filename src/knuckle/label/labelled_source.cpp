@@ -6,7 +6,6 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
-#include "knuckle/core/resources.h"
 #include "knuckle/data/defined_pose.h"
 
 namespace knuckle {
@@ -30,7 +29,7 @@ LabelledSource::LabelledSource(const FrameSource& source, const LabelBook& book,
   if (source.size() != head.frames)
     fail("the labels are of {} with {} frames, the source has {}", head.source, head.frames, source.size());
   if (!(target_ == head.convention)) {
-    definition_ = shipped_definition(target_);
+    definition_ = definition_of_own_landmarks(target_);
     const bool is_empty = map_convention(head.convention, target_).shared.empty();
     if (definition_) {
       require_all_landmarks(head.convention, "the labels");
@@ -127,12 +126,10 @@ FrameLabel LabelledSource::read_label(std::int64_t index) const {
   return label;
 }
 
-std::optional<LandmarkDefinition> shipped_definition(const Convention& convention) {
+std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention) {
   const bool is_plain = std::ranges::all_of(
       convention.landmarks, [](Landmark landmark) { return static_cast<int>(landmark) < kSupersetSize; });
-  const std::filesystem::path file = resource_path(fmt::format("landmarks/{}.toml", convention.name));
-  if (is_plain || !std::filesystem::exists(file)) return std::nullopt;
-  return LandmarkDefinition::load(file);
+  return is_plain ? std::nullopt : shipped_definition(convention);
 }
 
 }  // namespace knuckle

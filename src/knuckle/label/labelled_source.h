@@ -64,6 +64,6 @@ class LabelledSource final : public FrameSource {
 
 /// How a convention's landmarks lie on the hand, where it has landmarks that are none of the 22 and the
 /// program ships a definition of it; nothing otherwise.
-std::optional<LandmarkDefinition> shipped_definition(const Convention& convention);
+std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention);
 
 }  // namespace knuckle

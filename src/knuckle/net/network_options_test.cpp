@@ -67,6 +67,26 @@ TEST(NetworkOptions, RefuseNumbersOutOfRange) {
   EXPECT_THAT(fault(options), HasSubstr("highest"));
 }
 
+TEST(NetworkOptions, RefuseMapsThatWouldTakeTheMachinesMemory) {
+  NetworkOptions dense;
+  dense.patch.size_px = 1024;
+  EXPECT_NO_THROW(check(dense, "net.toml"));
+  dense.patch.size_px = 4096;
+  EXPECT_THAT(fault(dense),
+              AllOf(HasSubstr("net.toml: a patch of 4096 px"), HasSubstr("features per patch")));
+  dense.patch.size_px = 1024;
+  dense.dense.stem_channels = 1024;
+  EXPECT_THAT(fault(dense), HasSubstr("features per patch"));
+  NetworkOptions paper;
+  paper.architecture = "regression";
+  paper.patch.size_px = 512;
+  paper.paper.first_maps = 100;
+  paper.paper.second_maps = 100;
+  EXPECT_NO_THROW(check(paper, "net.toml"));
+  paper.paper.second_maps = 400;
+  EXPECT_THAT(fault(paper), HasSubstr("a patch of 512 px and so many channels make 131072000 features"));
+}
+
 TEST(NetworkOptions, KnowOnlyTheKeysOfTheirArchitecture) {
   const auto read = [](const std::string& toml) {
     return error_of([&] { network_options_from_toml(toml, "net.pt"); });

@@ -37,6 +37,8 @@ void HandOptions::visit(OptionVisitor& visitor) {
   visitor.integer("max_hands", max_hands, closed(1, 16));
   visitor.integer("candidates", candidates, closed(1, 16));
   visitor.real("sure_confidence", sure_confidence, closed(0, 1));
+  visitor.real("confidence_offset", confidence_offset, closed(-10, 10));
+  visitor.real("confidence_slope", confidence_slope, closed(0.01, 10));
 }
 
 HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand)

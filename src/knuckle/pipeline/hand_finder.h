@@ -21,6 +21,10 @@ struct HandOptions {
   /// A pose whose joints have less confidence on average is not sure, [0, 1]; a pipeline file that does not
   /// say it has the estimator's (`Estimator::sure_confidence`).
   double sure_confidence = 0.0;
+  /// The confidences of the joints that come out are calibrated (`calibrated_confidence`) with these, [-10,
+  /// 10] and [0.01, 10]; scores and all thresholds are of what the estimator says itself.
+  double confidence_offset = 0.0;
+  double confidence_slope = 1.0;
 
   void visit(OptionVisitor& visitor);
   bool is_left() const { return side == "left"; }

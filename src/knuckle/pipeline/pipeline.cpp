@@ -9,6 +9,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/data/defined_pose.h"
 #include "knuckle/estimate/create_estimator.h"
+#include "knuckle/pipeline/calibrated_confidence.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/refine/refiner_factory.h"
 #include "knuckle/segment/hand_region.h"
@@ -78,6 +79,14 @@ double mean_confidence(const HandPose& pose) {
   double sum = 0.0;
   for (const float confidence : pose.confidence) sum += confidence;
   return sum / static_cast<double>(pose.confidence.size());
+}
+
+void calibrate(std::vector<float>& confidences, const HandOptions& options) {
+  if (options.confidence_offset == 0.0 && options.confidence_slope == 1.0) return;
+  for (float& confidence : confidences) {
+    confidence = static_cast<float>(
+        calibrated_confidence(confidence, options.confidence_offset, options.confidence_slope));
+  }
 }
 
 /// Two regions whose centres are nearer than that are the same thing: no two palms can be.
@@ -295,6 +304,7 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   const double likelihood = std::sqrt(region.likelihood.value_or(1.0));
   hand.region = std::move(region);
   hand.score = likelihood * seen.hand.value_or(1.0) * plausibility * mean_confidence(seen.pose);
+  calibrate(seen.pose.confidence, finder_.hand());
   hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
                          : std::move(seen.pose);
   return hand;

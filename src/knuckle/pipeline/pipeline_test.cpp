@@ -3,10 +3,12 @@
 #include "knuckle/pipeline/pipeline.h"
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <utility>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/pipeline/calibrated_confidence.h"
 #include "knuckle/segment/hand_region.h"
 
 namespace knuckle {
@@ -89,6 +91,29 @@ TEST(PipelineFromParts, SegmentsCropsAndEstimates) {
   EXPECT_NEAR(pose.joints[0].v, 10.0, 1e-9);
   EXPECT_NEAR(pose.joints[0].depth_mm, 499.0, 1e-3);  // nine rows at 500, one at 490
   EXPECT_EQ(pose.confidence, std::vector<float>{0.5f});
+}
+
+TEST(CalibratedConfidence, IsAMonotoneMapOfTheUnitInterval) {
+  EXPECT_EQ(calibrated_confidence(0.0, 1.3, 1.5), 0.0);
+  EXPECT_EQ(calibrated_confidence(1.0, -1.3, 1.5), 1.0);
+  EXPECT_NEAR(calibrated_confidence(0.3, 0.0, 1.0), 0.3, 1e-12);
+  const double logit = 1.3 + 1.5 * std::log(0.7 / 0.3);
+  EXPECT_NEAR(calibrated_confidence(0.7, 1.3, 1.5), 1.0 / (1.0 + std::exp(-logit)), 1e-12);
+  double before = 0.0;
+  for (int i = 1; i < 100; ++i) {
+    const double calibrated = calibrated_confidence(0.01 * i, 1.3, 1.5);
+    EXPECT_GT(calibrated, before);
+    before = calibrated;
+  }
+}
+
+TEST(PipelineFromParts, CalibratesWhatComesOutAndNothingElse) {
+  const HandOptions hand{.sure_confidence = 0.6, .confidence_offset = 1.3, .confidence_slope = 1.5};
+  const FrameEstimate result = Pipeline(parts(hand)).estimate(plate(), {.start = Point3(1.0, 2.0, 3.0)});
+  ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_NEAR(result.hands[0].pose.confidence[0], 1.0 / (1.0 + std::exp(-1.3)), 1e-6);
+  EXPECT_NEAR(result.hands[0].score, 0.5, 1e-6) << "of what the estimator says";
+  EXPECT_EQ(result.status, kUnsure);
 }
 
 TEST(PipelineFromParts, PassesTheStartOn) {

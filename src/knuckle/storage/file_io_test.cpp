@@ -2,12 +2,44 @@
 #include "knuckle/storage/file_io.h"
 
 #include <csignal>
+#include <cstring>
 #include <fstream>
+#include <optional>
+#include <utility>
 
+#include <sys/random.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
+
+namespace knuckle {
+namespace {
+
+/// What this program hands to the disk, in its order; not kept where there is no list.
+std::optional<std::vector<std::filesystem::path>> g_flushed;
+/// What the system says when it is asked for random bits; the system itself where there is none.
+std::optional<std::uint64_t> g_random;
+
+}  // namespace
+}  // namespace knuckle
+
+// These take the place of the system's: what they were asked shows nowhere else.
+extern "C" int fsync(int descriptor) {
+  if (knuckle::g_flushed) {
+    knuckle::g_flushed->push_back(
+        std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
+  }
+  return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
+
+extern "C" ssize_t getrandom(void* bytes, std::size_t count, unsigned flags) {
+  if (!knuckle::g_random) return ::syscall(SYS_getrandom, bytes, count, flags);
+  std::memcpy(bytes, &*knuckle::g_random, std::min(count, sizeof(*knuckle::g_random)));
+  return static_cast<ssize_t>(count);
+}
 
 namespace knuckle {
 namespace {
@@ -114,6 +146,38 @@ TEST(FileIoTest, TemporaryNamesCannotBeGuessed) {
   EXPECT_NE(names[0], names[1]);
   EXPECT_EQ(names[0].find(std::to_string(::getpid())), std::string::npos);
   EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, ATemporaryFileIsANewOne) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "others.txt", "not ours");
+  g_random = 5;
+  const std::filesystem::path guessed = folder / ".file.0000000000000005.partial.txt";
+  std::filesystem::create_symlink(folder / "others.txt", guessed);
+  const std::string through_a_link = error_of([&] { write_text_file(folder / "file.txt", "text"); });
+  std::filesystem::remove(guessed);
+  std::filesystem::create_symlink(folder / "nothing.txt", guessed);
+  const std::string to_nothing = error_of([&] { write_text_file(folder / "file.txt", "text"); });
+  std::filesystem::remove(guessed);
+  write_text_file(folder / "file.txt", "text");
+  g_random.reset();
+  EXPECT_THAT(through_a_link, HasSubstr("file.txt: cannot write: File exists"));
+  EXPECT_THAT(to_nothing, HasSubstr("file.txt: cannot write: File exists"));
+  EXPECT_EQ(read_text_file(folder / "others.txt"), "not ours");
+  EXPECT_EQ(entries_in(folder.path()), 2u) << "the name was the one that was guessed";
+}
+
+TEST(FileIoTest, TheFileIsOnTheDiskBeforeItsNameAndTheFolderAfterIt) {
+  const TemporaryFolder folder;
+  const std::filesystem::path real = std::filesystem::canonical(folder.path());
+  std::filesystem::path temporary;
+  g_flushed.emplace();
+  write_file_atomically(real / "file.txt", [&](const std::filesystem::path& path) {
+    temporary = path;
+    std::ofstream(path) << "text";
+  });
+  const std::vector<std::filesystem::path> flushed = *std::exchange(g_flushed, std::nullopt);
+  EXPECT_THAT(flushed, ElementsAre(temporary, real));
 }
 
 }  // namespace

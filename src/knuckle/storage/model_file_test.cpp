@@ -19,7 +19,6 @@ using ::testing::ElementsAre;
 using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::written_model;
 
 ModelWriter example() {
   ModelWriter writer("knuckle-test", 3);

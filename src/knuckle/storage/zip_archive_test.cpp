@@ -10,7 +10,6 @@
 namespace knuckle {
 namespace {
 
-using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 
@@ -90,9 +89,14 @@ TEST(ZipArchive, OfTooManyEntriesIsRefused) {
   set_u16(bytes, end + 8, 65535);
   set_u16(bytes, end + 10, 65535);
   EXPECT_THAT(fault_of(bytes), HasSubstr("it lists 65535 entries, expected at most"));
-  const std::vector<ZipContent> many(static_cast<std::size_t>(limits::kModelEntries) + 1,
-                                     ZipContent{"a", {}});
-  EXPECT_THAT(fault_of(zip_of(many, "")), HasSubstr("entries, expected at most"));
+  const auto of_entries = [](std::size_t count) {
+    return zip_of(std::vector<ZipContent>(count, ZipContent{"a", {}}), "");
+  };
+  EXPECT_THAT(fault_of(of_entries(static_cast<std::size_t>(limits::kModelEntries) + 1)),
+              HasSubstr("it lists 257 entries, expected at most"));
+  EXPECT_THAT(fault_of(of_entries(100'000)), HasSubstr("entries, expected at most"));
+  // Their number has 16 bits: of so many it says 1.
+  EXPECT_THAT(fault_of(of_entries(65'537)), HasSubstr("something lies between its entries"));
 }
 
 TEST(ZipArchive, WhoseEntriesOverlapOrLeaveGapsIsRefused) {

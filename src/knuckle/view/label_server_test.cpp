@@ -16,7 +16,6 @@ namespace knuckle {
 namespace {
 
 using nlohmann::json;
-using ::testing::HasSubstr;
 using testing::HttpAnswer;
 using testing::PlainClient;
 using testing::request;

@@ -15,7 +15,6 @@
 namespace knuckle {
 namespace {
 
-using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::put_file;

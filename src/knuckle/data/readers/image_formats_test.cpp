@@ -252,6 +252,7 @@ TEST(ExrImage, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
     return error_of([&] { read_exr(folder / "b.exr"); });
   };
   EXPECT_THAT(with_window(65535, 65535), HasSubstr("b.exr"));
+  EXPECT_THAT(with_window(16384, 0), HasSubstr("b.exr"));
   EXPECT_THAT(with_window(16383, 16383), HasSubstr("b.exr: says that it holds 268435456 pixels"));
   EXPECT_THAT(with_window(2147483646, 0), HasSubstr("b.exr"));
 }

@@ -437,6 +437,14 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
               AllOf(HasSubstr("a.h5"), HasSubstr("3 x 18 x 24, expected 3 x 18 x 25")));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("height", 17.5); }),
               HasSubstr("'height' is 17.5"));
+  for (const double index : {0.5, -1.0, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THAT(error_after([&](Hdf5Writer& file) { file.set_attribute("first_index", index); }),
+                HasSubstr(fmt::format("'first_index' is {}, expected a whole number", index)));
+  }
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("width", 1e300); }),
+              HasSubstr("'width' is 1e+300"));
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("width", 16385); }),
+              HasSubstr("'width' is 16385"));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("fx", 0); }),
               AllOf(HasSubstr("a.h5"), HasSubstr("fx")));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("depth_unit_mm", -1); }),

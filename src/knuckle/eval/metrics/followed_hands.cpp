@@ -151,6 +151,7 @@ FollowedScore followed_score(const std::string& name, const Convention& conventi
   FollowedCount count(score);
   for (std::size_t i = 0; i < truth.size(); ++i) count.add(truth[i], records[i], convention);
   score.mean_3d_mm = count.mean_3d_mm();
+  score.reliability = reliability_of(convention, truth, records);
   return score;
 }
 

@@ -11,21 +11,10 @@
 #include "knuckle/core/landmarks.h"
 #include "knuckle/data/frame_record.h"
 #include "knuckle/data/frame_source.h"
+#include "knuckle/eval/metrics/reliability.h"
+#include "knuckle/eval/metrics/true_hands.h"
 
 namespace knuckle {
-
-/// A true hand: where its landmarks are, and how much of it can be seen.
-struct TrueHand {
-  HandSide side = HandSide::right;
-  std::vector<Point3> landmarks_mm;  ///< in the order of the convention, camera coordinates [mm]
-  double visible_share = 1.0;        ///< of its pixels, [0, 1]; 0 where its middle lies outside the image
-};
-
-/// The true hands of a frame.
-struct TrueHands {
-  int sequence = 0;  ///< frames of one sequence belong together
-  std::vector<TrueHand> hands;
-};
 
 /// How well a method finds and follows all hands, after the CLEAR MOT measures (Bernardin and Stiefelhagen
 /// 2008). A hand of which less than kLeastVisible is seen need not be found, and finding it is no fault; the
@@ -41,6 +30,7 @@ struct FollowedScore {
   std::int64_t losses = 0;        ///< times that a hand was not found for some frames, and then was
   std::int64_t longest_loss = 0;  ///< of those [frames]
   double mean_3d_mm = kNaN;       ///< over the found ones and their landmarks; NaN where there is none
+  Reliability reliability;        ///< of the joints' confidences
 };
 
 inline constexpr double kLeastVisible = 0.3;  ///< part of a hand's pixels, [0, 1]

@@ -72,6 +72,13 @@ ordered_json segmentation_json(const SegmentationScore& score) {
           {"mean_iou", score.mean_iou}, {"median_iou", score.median_iou}, {"fraction_above", above}};
 }
 
+ordered_json reliability_json(const Reliability& reliability) {
+  ordered_json bins = ordered_json::array();
+  for (const ReliabilityBin& bin : reliability.bins)
+    bins.push_back({{"joints", bin.joints}, {"confidence", bin.confidence}, {"within_20mm", bin.within}});
+  return {{"joints", reliability.joints}, {"error", reliability.error}, {"bins", bins}};
+}
+
 ordered_json followed_json(const FollowedScore& score) {
   return {{"name", score.name},
           {"frames", score.frames},
@@ -82,7 +89,8 @@ ordered_json followed_json(const FollowedScore& score) {
           {"switches", score.switches},
           {"losses", score.losses},
           {"longest_loss", score.longest_loss},
-          {"mean_3d_mm", score.mean_3d_mm}};
+          {"mean_3d_mm", score.mean_3d_mm},
+          {"reliability", reliability_json(score.reliability)}};
 }
 
 }  // namespace

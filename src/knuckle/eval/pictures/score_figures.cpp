@@ -103,4 +103,23 @@ Figure overlap_figure(std::span<const SegmentationScore> scores) {
   return named(figure, "overlap", "Frames with box overlap r > t", "frames (%)");
 }
 
+Figure reliability_figure(std::span<const FollowedScore> scores) {
+  constexpr std::int64_t kFewestJointsShown = 20;  // the share of fewer says nothing
+  Figure figure;
+  for (int i = 0; i < kReliabilityBins; ++i) figure.x.push_back((i + 0.5) / kReliabilityBins);
+  for (const FollowedScore& score : scores) {
+    if (score.reliability.joints == 0) continue;
+    Series series{score.name, {}};
+    for (const ReliabilityBin& bin : score.reliability.bins)
+      series.values.push_back(bin.joints < kFewestJointsShown ? kNaN : 100.0 * bin.within);
+    figure.series.push_back(std::move(series));
+  }
+  Series calibrated{"calibrated", {}};
+  for (const double confidence : figure.x) calibrated.values.push_back(100.0 * confidence);
+  figure.series.push_back(std::move(calibrated));
+  figure.x_label = "confidence of a joint";
+  return named(std::move(figure), "reliability", "Joints that lie within 20 mm, by their confidence",
+               "joints within 20 mm (%)");
+}
+
 }  // namespace knuckle

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/followed_hands.h"
 #include "knuckle/eval/metrics/segmentation_metrics.h"
 #include "knuckle/eval/pictures/figures.h"
 
@@ -23,5 +24,9 @@ Figure joints_2d_figure(const Evaluation& evaluation);
 
 /// The fraction of frames with overlap r > t (Riegler et al. 2015, fig. 4).
 Figure overlap_figure(std::span<const SegmentationScore> scores);
+
+/// The share of joints within kReliableMm over their confidence, a curve per method that gives confidences,
+/// and the diagonal that calibrated ones lie on. Tenths with fewer than 20 joints are left out.
+Figure reliability_figure(std::span<const FollowedScore> scores);
 
 }  // namespace knuckle

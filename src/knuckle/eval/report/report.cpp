@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/report/report.h"
 
+#include <algorithm>
+
 #include "knuckle/core/text_file.h"
 #include "knuckle/eval/metrics/score_files.h"
 #include "knuckle/eval/pictures/score_figures.h"
@@ -15,6 +17,9 @@ ReportFigures draw_figures(const Report& report, const std::filesystem::path& fo
   if (report.evaluation) figures.poses = drawn(figures_of(*report.evaluation), folder);
   if (!report.segmentation.empty())
     figures.segmentation = drawn({overlap_figure(report.segmentation)}, folder);
+  const bool has_confidences = std::ranges::any_of(
+      report.followed, [](const FollowedScore& score) { return score.reliability.joints > 0; });
+  if (has_confidences) figures.followed = drawn({reliability_figure(report.followed)}, folder);
   return figures;
 }
 
@@ -53,7 +58,7 @@ std::string report_html(const Report& report, const ReportFigures& figures) {
             landmark_section(*report.evaluation);
   }
   if (!report.segmentation.empty()) html += segmentation_section(report.segmentation, figures.segmentation);
-  if (!report.followed.empty()) html += followed_section(report.followed);
+  if (!report.followed.empty()) html += followed_section(report.followed, figures.followed);
   if (!figures.poses.empty()) html += figure_section(figures.poses);
   if (report.evaluation) html += joint_section(*report.evaluation);
   if (!report.gallery.empty()) html += gallery_section(report.gallery);

@@ -49,6 +49,7 @@ struct DrawnFigure {
 struct ReportFigures {
   std::vector<DrawnFigure> poses;
   std::vector<DrawnFigure> segmentation;
+  std::vector<DrawnFigure> followed;
 };
 
 /// Writes the files of figures into `folder` (made where it is missing) and keeps them for a page.

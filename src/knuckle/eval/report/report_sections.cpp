@@ -255,12 +255,14 @@ std::string segmentation_section(const std::vector<SegmentationScore>& scores,
          figure_grid(figures, "figures single");
 }
 
-std::string followed_section(const std::vector<FollowedScore>& scores) {
+std::string followed_section(const std::vector<FollowedScore>& scores,
+                             const std::vector<DrawnFigure>& figures) {
   const auto share = [](std::int64_t part, std::int64_t whole) {
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : kNaN;
   };
   const auto found = [&](const FollowedScore& score) { return share(score.found, score.hands); };
   const auto sided = [&](const FollowedScore& score) { return share(score.right_side, score.found); };
+  const auto off = [](const FollowedScore& score) { return 100.0 * score.reliability.error; };
   return "<h2>Hands that were followed</h2>\n" +
          number_table(
              "method", method_heads(scores),
@@ -271,10 +273,11 @@ std::string followed_section(const std::vector<FollowedScore>& scores) {
               column("exchanged<br>ids", scores, &FollowedScore::switches, 0, Better::lower),
               column("times lost", scores, &FollowedScore::losses, 0, Better::lower),
               column("longest loss<br>(frames)", scores, &FollowedScore::longest_loss, 0, Better::lower),
-              column("mean 3D of<br>those found (mm)", scores, &FollowedScore::mean_3d_mm, 2,
-                     Better::lower)}) +
+              column("mean 3D of<br>those found (mm)", scores, &FollowedScore::mean_3d_mm, 2, Better::lower),
+              column("confidences<br>off by (%)", scores, off, 1, Better::lower)}) +
          fmt::format("<p>A hand of which less than {:.0f} % is seen need not be found.</p>\n",
-                     100.0 * kLeastVisible);
+                     100.0 * kLeastVisible) +
+         (figures.empty() ? "" : figure_grid(figures, "figures single"));
 }
 
 std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style) {

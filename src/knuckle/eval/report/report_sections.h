@@ -55,8 +55,9 @@ std::string landmark_section(const Evaluation& evaluation);
 std::string segmentation_section(const std::vector<SegmentationScore>& scores,
                                  const std::vector<DrawnFigure>& figures);
 
-/// How all hands were found and followed, a row per method.
-std::string followed_section(const std::vector<FollowedScore>& scores);
+/// How all hands were found and followed, a row per method, and how far their joints' confidences are true.
+std::string followed_section(const std::vector<FollowedScore>& scores,
+                             const std::vector<DrawnFigure>& figures);
 
 /// Figures side by side; bars take the whole width.
 std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_view style = "figures");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/report/report.h"
 
+#include <cmath>
 #include <set>
 
 #include "knuckle/core/testing.h"
@@ -112,6 +113,24 @@ TEST_F(ReportTest, SaysWhatWasDroppedAndMarksNoBestThen) {
   EXPECT_THAT(html, HasSubstr("does not predict them: palm."));
   EXPECT_THAT(html, HasSubstr("has them: wrist, thumb_cmc."));
   EXPECT_THAT(html, Not(HasSubstr("class=\"best\"")));
+}
+
+TEST_F(ReportTest, HowFarConfidencesAreTrueIsDrawnWhereThereAreAny) {
+  FollowedScore score;
+  score.name = "sure";
+  report_.followed = {score};
+  EXPECT_THAT(page(), Not(HasSubstr("by their confidence")));
+  report_.followed[0].reliability.bins[7] = {400, 0.75, 0.5};
+  report_.followed[0].reliability.bins[2] = {19, 0.25, 0.5};
+  report_.followed[0].reliability.joints = 419;
+  report_.followed[0].reliability.error = 0.25;
+  EXPECT_THAT(page(), HasSubstr("by their confidence"));
+  EXPECT_THAT(read_text_file(folder_ / "metrics.json"), HasSubstr("\"within_20mm\": 0.5"));
+  const Figure figure = reliability_figure(report_.followed);
+  ASSERT_EQ(figure.series.size(), 2u);
+  EXPECT_EQ(figure.series[0].values[7], 50.0);
+  EXPECT_TRUE(std::isnan(figure.series[0].values[2])) << "too few joints";
+  EXPECT_NEAR(figure.series[1].values[7], 75.0, 1e-9);
 }
 
 TEST_F(ReportTest, WithoutTruthThereIsAGallery) {

@@ -38,6 +38,15 @@ void blur_edges(SeenSurfaces& surfaces, const SensorOptions& options, std::uint6
   depth_mm = with_flying_pixels(depth_mm, edges, options.flying, seed);
 }
 
+/// Neighbours whose windows overlap err together.
+RangeNoiseOptions noise_of_frame(const SensorOptions& options, std::uint64_t seed) {
+  RangeNoiseOptions noise = options.noise;
+  const double reach = drawn_window_px(options.matching, seed);
+  const auto grain_px = static_cast<int>(std::lround(reach * options.matching.window_grain));
+  noise.grain_px = std::max(noise.grain_px, grain_px);
+  return noise;
+}
+
 Image<float> rounded(Image<float> depth_mm, double quantisation_mm) {
   const auto step = static_cast<float>(quantisation_mm);
   if (step == 0.0f) return depth_mm;
@@ -102,7 +111,7 @@ SensorImages measured(SeenSurfaces surfaces, const Camera& camera, const SensorO
     images.infrared = infrared_image(surfaces.depth_mm, surfaces.cosines, camera, options.infrared, seed);
   }
   Image<float> depth_mm =
-      with_range_noise(std::move(surfaces.depth_mm), surfaces.cosines, options.noise, seed);
+      with_range_noise(std::move(surfaces.depth_mm), surfaces.cosines, noise_of_frame(options, seed), seed);
   depth_mm = with_rounded_disparity(std::move(depth_mm), camera, options.structured_light);
   depth_mm = with_drop_outs(std::move(depth_mm), surfaces.cosines, options.drop_outs, seed);
   images.depth_mm = rounded(std::move(depth_mm), options.quantisation_mm);

@@ -103,6 +103,22 @@ TEST(Sensor, DefaultIsThePaper) {
   EXPECT_EQ(depth_of(nothing, {}), nothing);
 }
 
+TEST(Sensor, NoiseIsAlikeOverTheWindowsOfAFrame) {
+  SensorOptions options = silent();
+  options.noise.sigma_mm = 3.0;
+  options.matching = {.window_px = 5, .window_grain = 2.0};
+  SensorOptions grained = silent();
+  grained.noise = {.sigma_mm = 3.0, .grain_px = 10};
+  const Image<float> flat(64, 48, 700.0f);
+  const Image<float> windows = depth_of(flat, options);
+  const Image<float> grains = depth_of(flat, grained);
+  for (std::size_t i = 0; i < flat.size(); ++i) EXPECT_NEAR(windows.data()[i], grains.data()[i], 1e-3f);
+  options.matching.window_share = 0.0;  // no windows: every pixel has noise of its own
+  SensorOptions single = silent();
+  single.noise.sigma_mm = 3.0;
+  EXPECT_EQ(depth_of(flat, options), depth_of(flat, single));
+}
+
 TEST(Sensor, RoundsToWholeSteps) {
   SensorOptions options;
   options.noise.sigma_mm = 5.0;

@@ -109,21 +109,31 @@ float matched_at_edge(const Image<float>& depth_mm, const Window& window,
 
 void WindowMatchingOptions::visit(OptionVisitor& visitor) {
   visitor.integer("window_px", window_px, closed(0, 16));
+  visitor.integer("widest_window_px", widest_window_px, closed(0, 16));
   visitor.real("window_share", window_share, closed(0, 1));
   visitor.real("nearer_share", nearer_share, closed(0, 1));
+  visitor.real("window_grain", window_grain, closed(0, 4));
+}
+
+int drawn_window_px(const WindowMatchingOptions& options, std::uint64_t seed) {
+  constexpr std::uint32_t kWholeFrame = 0xffffffffu;
+  const auto words = pixel_words(seed, PixelUse::matching, kWholeFrame);
+  if (uniform_from_bits(words[0]) >= static_cast<float>(options.window_share)) return 0;
+  const int widest = std::max(options.window_px, options.widest_window_px);
+  const auto choices = static_cast<std::uint32_t>(widest - options.window_px + 1);
+  return options.window_px + static_cast<int>(words[1] % choices);
 }
 
 Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchingOptions& options,
                                 double jump_mm, std::uint64_t seed) {
-  constexpr std::uint32_t kWholeFrame = 0xffffffffu;
-  const float drawn = uniform_from_bits(pixel_words(seed, PixelUse::matching, kWholeFrame)[0]);
-  if (options.window_px == 0 || drawn >= static_cast<float>(options.window_share)) return depth_mm;
+  const int reach = drawn_window_px(options, seed);
+  if (reach == 0) return depth_mm;
   const InverseSums sums(depth_mm);
-  const Image<std::uint8_t> has_edge = windows_with_edges(depth_mm, options.window_px, jump_mm);
+  const Image<std::uint8_t> has_edge = windows_with_edges(depth_mm, reach, jump_mm);
   Image<float> matched(depth_mm.width(), depth_mm.height());
   for (int row = 0; row < depth_mm.height(); ++row) {
     for (int column = 0; column < depth_mm.width(); ++column) {
-      const Window window = window_at(depth_mm, column, row, options.window_px);
+      const Window window = window_at(depth_mm, column, row, reach);
       if (has_edge(column, row) == 0) {
         if (depth_mm(column, row) == 0.0f) continue;  // as all in its window
         matched(column, row) = sums.mean_depth(window.left, window.top, window.right, window.bottom);

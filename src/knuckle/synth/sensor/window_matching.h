@@ -13,11 +13,17 @@ namespace knuckle {
 /// outline, narrow gaps between fingers close, and thin things vanish.
 struct WindowMatchingOptions {
   int window_px = 0;          ///< the window reaches so far on each side, [0, 16] [px]; 0: off
+  int widest_window_px = 0;   ///< each frame draws a reach from window_px to this, [0, 16] [px]; 0: window_px
   double window_share = 1.0;  ///< part of the frames that are seen so, [0, 1]
   double nearer_share = 0.4;  ///< the nearer surface wins where it fills more than this part, [0, 1]
+  double window_grain =
+      0.0;  ///< in such frames range noise is alike over so many reaches, [0, 4]; 0: grain_px
 
   void visit(OptionVisitor& visitor);
 };
+
+/// How far windows reach in the frame of `seed` [px]; 0: it is not seen in windows.
+int drawn_window_px(const WindowMatchingOptions& options, std::uint64_t seed);
 
 /// `depth_mm` as windows see it. Disparities, which are proportional to 1 / z, are averaged over the measured
 /// pixels of the window that belong to the winning surface; surfaces are more than `jump_mm` apart. Where the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/sensor/window_matching.h"
 
+#include <array>
 #include <cmath>
 
 #include "knuckle/core/testing.h"
@@ -47,6 +48,35 @@ TEST(WindowMatching, TheNearerGrowsAndGapsClose) {
   for (int row = 0; row < 30; ++row) fingers(20, row) = 800;  // a gap of one pixel
   const Image<float> merged = matched_in_windows(fingers, {.window_px = 3}, 20, 1);
   for (int row = 0; row < 30; ++row) EXPECT_NEAR(merged(20, row), 500.0f, 1e-2f);
+}
+
+TEST(WindowMatching, EachFrameDrawsItsReach) {
+  const WindowMatchingOptions options{.window_px = 2, .widest_window_px = 5, .window_share = 0.6};
+  std::array<int, 7> counts{};
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) ++counts.at(drawn_window_px(options, seed));
+  // 0.4 of 4,000 frames see no windows, 0.15 each reach; the deviation of a count is at most 31.
+  EXPECT_NEAR(counts[0], 1600, 125);
+  EXPECT_EQ(counts[1], 0);
+  for (int reach = 2; reach <= 5; ++reach) EXPECT_NEAR(counts[reach], 600, 95) << reach;
+  EXPECT_EQ(counts[6], 0);
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    EXPECT_EQ(drawn_window_px({.window_px = 3}, seed), 3);
+    EXPECT_EQ(drawn_window_px({.window_px = 3, .widest_window_px = 1}, seed), 3);
+    EXPECT_EQ(drawn_window_px({}, seed), 0);
+  }
+}
+
+TEST(WindowMatching, TheDrawnReachIsTheOneThatMatches) {
+  Image<float> image = wall(800);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 20; ++column) image(column, row) = 500;
+  }
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const WindowMatchingOptions drawn{.window_px = 1, .widest_window_px = 4};
+    const int reach = drawn_window_px(drawn, seed);
+    EXPECT_EQ(matched_in_windows(image, drawn, 20, seed),
+              matched_in_windows(image, {.window_px = reach}, 20, seed));
+  }
 }
 
 TEST(WindowMatching, ThinThingsVanish) {
