@@ -13,16 +13,22 @@ import {
 import { readLabelled, type HandLabels, type LabelAnswer, type Labelled, type LabelInfo, type LabelRequest, type Standings } from "./label_protocol.ts";
 import { drawLabelMarks } from "./label_marks.ts";
 import { inWords, LandmarkList } from "./landmark_list.ts";
+import { MaskTool, pixelsIn, type Tool } from "./mask_tool.ts";
 import { depthPalette } from "./palette.ts";
 import { Announcer, element, Notices, setText } from "./panel.ts";
-import { FrameImages, MessageError, type FrameHeader, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
+import { FrameImages, MessageError, type FrameHeader, type FrameMessage, type Hand, type Point2, type Point3, type Side } from "./protocol.ts";
 import { kTurn_deg, listenToKeys, listenToTurningKeys, listShortcuts, type Shortcut } from "./shortcuts.ts";
 import { currentTheme, nextTheme, remember, remembered, restoreTheme } from "./theme.ts";
 import { WorkTimer } from "./work_timer.ts";
 
+// Asked for before anything is set up: opening WebGL takes a while, in which the program can answer.
+const firstFrame = Math.max(0, Math.trunc(Number(new URLSearchParams(location.search).get("frame") ?? "0")) || 0);
+const first = { info: fetchInfo(), frame: fetchFrame(firstFrame) };
+for (const answer of Object.values(first)) answer.catch(() => undefined);  // whoever waits for it hears of it
+
 const kReach_px = 14;  // of a landmark around the pointer
 const kCloseness = 2.2;  // of the points: the hand fills the view
-const kRangeMargin_mm = 60;
+const kRangeMargin_mm = 30;  // joints lie 10 to 20 mm below the skin; more, and fingers are hard to tell apart
 const kRemarkShown_ms = 8000;
 
 /** All that the page knows; what is seen follows from it. */
@@ -51,6 +57,7 @@ const imageView = new ImageView(imageCanvas, palette);
 imageView.namesHands = false;
 const cloudView = openCloudView();
 if (cloudView) cloudView.closeness = kCloseness;
+const maskTool = new MaskTool();
 const strip = new FilmStrip(element("strip"), palette, (frame) => void leaveFor(() => frame));
 const landmarkList = new LandmarkList(element("landmarks"), choose);
 const notices = new Notices(element("notices"));
@@ -119,12 +126,13 @@ function remark(text: string): void {
 
 let opening = 0;
 
-async function openFrame(frame: number): Promise<void> {
+/** `early`: the frame, where it was asked for already. */
+async function openFrame(frame: number, early: Promise<FrameMessage> | null = null): Promise<void> {
   const count = state.info?.frames ?? 0;
   if (!(frame >= 0 && frame < count)) return;
   const turn = ++opening;
   await attempt(async () => {
-    const message = await fetchFrame(frame);
+    const message = await (early ?? fetchFrame(frame));
     if (turn !== opening) return;  // another one was asked for meanwhile
     const isOther = frame !== state.frame || state.header === null;
     images.take(message);
@@ -267,6 +275,32 @@ function free(): void {
   changes.add(() => ({ ...wanted, revision: handLabels()?.revision ?? 0 }));
 }
 
+/** What was painted goes to the hand that is chosen. */
+function endStroke(): void {
+  const { side } = state;
+  const { radius_px } = maskTool;
+  const erases = maskTool.tool === "eraser";
+  for (const points of maskTool.end()) {
+    changes.add(() => ({ act: "brush", frame: state.frame, side, revision: handLabels()?.revision ?? 0, points, radius_px, erases }));
+  }
+  state.imageChanged = true;
+}
+
+function outline(): void {
+  changes.add(() => ({ act: "outline", frame: state.frame, side: state.side, revision: handLabels()?.revision ?? 0 }));
+}
+
+function chooseTool(tool: Tool): void {
+  maskTool.tool = tool;
+  document.querySelector<HTMLInputElement>(`#tool [value=${tool}]`)!.checked = true;
+  state.imageChanged = true;
+}
+
+function resizeBrush(by: 1 | -1): void {
+  maskTool.resize(by);
+  state.imageChanged = true;
+}
+
 // ---- Drawing ----
 
 function fitCanvas(canvas: HTMLCanvasElement): void {
@@ -283,6 +317,7 @@ function drawImage(): void {
   imageView.colour(images, state.header.depth_unit_mm, range);
   fitCanvas(imageCanvas);
   imageView.draw(state.header, bones());
+  maskTool.draw(imageCanvas, imageView, state.labels, state.side);
   if (imageView.showsSkeleton) drawLabelMarks(imageCanvas, imageView, state.header.record.hands, state.labels, state);
 }
 
@@ -306,6 +341,8 @@ function showAll(): void {
   setText(element("hand-state"), labels ? `${labels.side}, ${labels.state}, by ${labels.author}` : `no ${state.side} hand is labelled`);
   const fit = labels && labels.rms_mm !== null ? `${labels.rms_mm.toFixed(1)} mm from the labels, skin ${labels.gap_mm?.toFixed(1) ?? "–"} mm` : "–";
   setText(element("fit"), state.fit_ms === null ? fit : `${fit}; ${state.fit_ms.toFixed(0)} ms`);
+  const size = labels?.mask ? `${pixelsIn(labels.mask)} px` : "none";
+  setText(element("mask"), maskTool.tool === "landmarks" ? size : `${size}; ${maskTool.tool} of ${maskTool.radius_px} px`);
   const { standings } = state;
   const count = standings ? [...standings.states].filter((letter) => letter === "v").length : 0;
   setText(element("progress"), standings ? `${count} of ${state.info.frames} frames${standings.median_s === null ? "" : `, ${standings.median_s.toFixed(0)} s per hand`}` : "–");
@@ -424,7 +461,10 @@ function listenToImage(): void {
     if (!state.header) return;
     const at: Point2 = [event.offsetX, event.offsetY];
     const pans = event.button !== 0;
-    if (!pans) {
+    if (!pans && maskTool.tool !== "landmarks") {
+      maskTool.begin(imageView.placeAt(...at));
+      state.imageChanged = true;
+    } else if (!pans) {
       const found = landmarkAt(...at, inImage);
       if (found) {
         state.side = found.side;
@@ -462,6 +502,10 @@ function listenToCloud(): void {
 function listenToDrags(): void {
   for (const canvas of [imageCanvas, cloudCanvas]) {
     canvas.addEventListener("pointermove", (event) => {
+      if (canvas === imageCanvas && maskTool.tool !== "landmarks") {
+        maskTool.move(imageView.placeAt(event.offsetX, event.offsetY));
+        state.imageChanged = true;
+      }
       const { drag } = state;
       if (!drag || (drag.view === "image") !== (canvas === imageCanvas)) return showProbe(canvas, event);
       drag.at = [event.offsetX, event.offsetY];
@@ -471,6 +515,7 @@ function listenToDrags(): void {
     });
     canvas.addEventListener("pointerup", endDrag);
     canvas.addEventListener("pointercancel", () => {
+      maskTool.drop();
       if (state.drag) dropDrag();
       void openFrame(state.frame);
     });
@@ -492,6 +537,7 @@ function dropDrag(): void {
 }
 
 function endDrag(): void {
+  if (maskTool.stroke) endStroke();
   const { drag } = state;
   if (!drag) return;
   const wanted = drag.hasMoved && !drag.pans ? dragged() : null;
@@ -577,6 +623,7 @@ function listenToControls(): void {
   click("redo", () => stepBack("redo"));
   click("verify", () => verify(false));
   click("free", free);
+  click("outline", outline);
   click("theme", () => { nextTheme(); showTheme(); });
   click("help", () => element<HTMLDialogElement>("help-dialog").showModal());
   click("reset", aim);
@@ -586,6 +633,7 @@ function listenToControls(): void {
   changed("visible", toggleVisible);
   changed("model", (box) => setModel(box.checked));
   changed("side", (box) => chooseSide(box.value as Side));
+  changed("tool", (box) => chooseTool(box.value as Tool));
   changed("order", (box) => setOrder(box.value as StripOrder));
   changed("image-kind", (box) => chooseImage(box.value as ImageKind));
   changed("show-skeleton", (box) => {
@@ -617,6 +665,12 @@ function shortcuts(): Shortcut[] {
     { keys: ["u", "U"], shown: "U", does: "the landmark follows the model again", act: () => { if (!element<HTMLButtonElement>("free").disabled) free(); } },
     { keys: ["m", "M"], shown: "M", does: "hand model on and off", act: () => setModel(!state.usesModel) },
     { keys: ["s", "S"], shown: "S", does: "right hand, left hand", act: () => chooseSide(state.side === "right" ? "left" : "right") },
+    { keys: ["l", "L"], shown: "L", does: "the pointer places landmarks", act: () => chooseTool("landmarks") },
+    { keys: ["b", "B"], shown: "B", does: "it paints the hand's mask", act: () => chooseTool("brush") },
+    { keys: ["e", "E"], shown: "E", does: "it erases from the mask", act: () => chooseTool("eraser") },
+    { keys: ["{"], shown: "{", does: "a smaller brush", act: () => resizeBrush(-1), repeats: true },
+    { keys: ["}"], shown: "}", does: "a larger brush", act: () => resizeBrush(1), repeats: true },
+    { keys: ["g", "G"], shown: "G", does: "the mask begins with what was measured on the hand model", act: outline },
     { keys: ["o", "O"], shown: "O", does: "frames in time, worst first", act: () => setOrder(strip.order === "time" ? "doubt" : "time") },
     { keys: ["i", "I"], shown: "I", does: "depth, infrared", act: () => chooseImage(imageView.kind === "depth" ? "infrared" : "depth") },
     { keys: ["k", "K"], shown: "K", does: "skeleton on and off", act: () => flip("show-skeleton") },
@@ -664,7 +718,7 @@ function showTheme(): void {
 
 async function begin(): Promise<void> {
   await attempt(async () => {
-    const info = await fetchInfo();
+    const info = await first.info;
     state.info = info;
     state.landmark = info.landmarks[0] ?? "wrist";
     landmarkList.make(info.landmarks);
@@ -672,8 +726,7 @@ async function begin(): Promise<void> {
     setText(element("file"), `${info.file}, by ${info.author}`);
     setText(element("version"), `Knuckle ${info.version}`);
     document.title = `${info.source} – Knuckle annotate`;
-    const asked = Number(new URLSearchParams(location.search).get("frame") ?? "0");
-    await openFrame(Number.isInteger(asked) && asked >= 0 && asked < info.frames ? asked : 0);
+    await (firstFrame < info.frames ? openFrame(firstFrame, first.frame) : openFrame(0));
     askForStandings();
   });
   listenToChanges(takeChange, showConnection);
@@ -690,6 +743,9 @@ Object.assign(globalThis, {
     imageAt: (at: Point2) => imageView.canvasAt(at),
     cloudAt: (at: Point3) => cloudView?.canvasAt(at) ?? null,
     landmark: () => state.landmark,
+    tool: () => maskTool.tool,
+    brush_px: () => maskTool.radius_px,
+    placeAt: (x: number, y: number) => imageView.placeAt(x, y),
     answered_ms: () => changes.answered_ms,
     fit_ms: () => state.fit_ms,
     standings: () => state.standings,

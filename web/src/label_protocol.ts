@@ -24,6 +24,7 @@ export interface HandLabels {
   author: string;
   rms_mm: number | null;
   gap_mm: number | null;
+  mask: number[] | null;  // width, height, runs
   landmarks: Record<string, LandmarkLabel | null>;
 }
 
@@ -65,7 +66,7 @@ export interface Standings {
 
 /** What the page asks to change. */
 export interface LabelRequest {
-  act: "place" | "move" | "look" | "free" | "verify" | "undo" | "redo";
+  act: "place" | "move" | "look" | "free" | "verify" | "undo" | "redo" | "brush" | "outline";
   frame?: number;
   side?: Side;
   revision?: number;
@@ -73,6 +74,9 @@ export interface LabelRequest {
   pixel?: Point2;
   point_mm?: Point3;
   visible?: boolean;
+  points?: Point2[];
+  radius_px?: number;
+  erases?: boolean;
   preview?: boolean;
   model?: boolean;
   seconds?: number;
@@ -97,6 +101,20 @@ function readLandmarks(value: unknown): Record<string, LandmarkLabel | null> {
   return landmarks;
 }
 
+const kMostRuns = 100_000;
+const kMostSide = 16_384;
+
+/** Runs that fill an image exactly, or null. */
+function readMask(value: unknown): number[] | null {
+  if (value === null || value === undefined) return null;
+  const mask = list(value, "mask", 2 + kMostRuns).map((one) => number(one, "mask"));
+  const [width = 0, height = 0, ...runs] = mask;
+  const isWhole = mask.every((one) => Number.isInteger(one) && one >= 0);
+  if (!isWhole || width < 1 || height < 1 || width > kMostSide || height > kMostSide) fail("mask is no list of runs");
+  if (runs.reduce((sum, run) => sum + run, 0) !== width * height) fail("the mask's runs do not fill its image");
+  return mask;
+}
+
 function readHandLabels(value: unknown): HandLabels {
   const hand = object(value, "labels");
   const side = hand["side"];
@@ -109,6 +127,7 @@ function readHandLabels(value: unknown): HandLabels {
     author: text(hand["author"] ?? "", "labels.author"),
     rms_mm: numberOrNull(hand["rms_mm"], "labels.rms_mm"),
     gap_mm: numberOrNull(hand["gap_mm"], "labels.gap_mm"),
+    mask: readMask(hand["mask"]),
     landmarks: readLandmarks(hand["landmarks"]),
   };
 }

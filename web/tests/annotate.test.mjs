@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page for labelling before the real `knuckle annotate`. $KNUCKLE_PROGRAM is the program.
 import assert from "node:assert/strict";
-import { readFileSync, rmSync, mkdtempSync, existsSync } from "node:fs";
+import { readFileSync, readdirSync, rmSync, mkdtempSync, existsSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, afterEach, before, test } from "node:test";
 import { Annotate, correctFarthest, dragInPoints, dragTo, errorOf, normals, openFrame, quiet, runProgram, shown, toSpace, truthOf } from "./annotator.mjs";
-import { launch } from "./browser.mjs";
+import { launch, pictureOf } from "./browser.mjs";
+import { colourAt, decodePng } from "./png.mjs";
 
 const program = process.env.KNUCKLE_PROGRAM;
 const skip = program ? false : "no $KNUCKLE_PROGRAM";
@@ -156,6 +157,105 @@ test("a landmark is dragged in the points, in the screen's plane", { skip }, asy
   const moved = hands[0].landmarks_mm.thumb_tip.map((value, i) => value - before[i]);
   assert.equal(labels[0].landmarks.thumb_tip.state, "corrected");
   assert.ok(Math.abs(moved[2]) > 3 * Math.abs(moved[1]) && Math.abs(moved[2]) > 1.5 * Math.abs(moved[0]), `seen from the side it moves in depth: ${moved}`);
+});
+
+const maskOf = (page) => page.evaluate(() => globalThis.knuckle.labels()[0].mask);
+
+/** 1 where a pixel is hand, row by row. */
+function pixelsOf([width, height, ...runs]) {
+  const pixels = new Uint8Array(width * height);
+  let at = 0;
+  runs.forEach((run, i) => { pixels.fill(i % 2, at, at += run); });
+  assert.equal(at, width * height);
+  return pixels;
+}
+
+/** Paints from one pixel to another with what is chosen. */
+async function strokeOver(page, from, to) {
+  const box = await page.locator("#image").boundingBox();
+  const ends = await page.evaluate((two) => two.map((at) => globalThis.knuckle.imageAt(at)), [from, to]);
+  await page.mouse.move(box.x + ends[0][0], box.y + ends[0][1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + ends[1][0], box.y + ends[1][1], { steps: 4 });
+  await page.mouse.up();
+  await quiet(page);
+}
+
+/** The mask of frame 0 in an exported folder set. */
+function writtenMask(set) {
+  const [file] = readdirSync(join(set, "mask")).sort();
+  const { pixels } = decodePng(readFileSync(join(set, "mask", file)));
+  return Uint8Array.from({ length: pixels.length / 4 }, (_, i) => (pixels[4 * i] > 0 ? 1 : 0));
+}
+
+test("a mask is begun with the model, painted, erased, undone; a kill loses no stroke, and exports have it to the pixel", { skip }, async () => {
+  const { address, file, stop } = await annotate({ labels: "masks" });
+  const page = await pageAt(address);
+  assert.equal(await maskOf(page), null);
+  await page.keyboard.press("g");
+  await quiet(page);
+  const outline = pixelsOf(await maskOf(page));
+  const { width } = await page.evaluate(() => globalThis.knuckle.header());
+  const at = ([column, row]) => row * width + column;
+  assert.ok(outline.reduce((sum, pixel) => sum + pixel, 0) > 200);
+  const corner = await page.evaluate(() => globalThis.knuckle.placeAt(30, 75).map(Math.round));
+  assert.equal(outline[at(corner)], 0, "beside the hand");
+
+  const before = await pictureOf(page, "#image");
+  await page.keyboard.press("b");
+  await page.keyboard.press("{");
+  assert.equal(await page.evaluate(() => globalThis.knuckle.brush_px()), 3);
+  const end = [corner[0] + 12, corner[1]];
+  await strokeOver(page, corner, end);
+  const painted = await maskOf(page);
+  assert.equal(pixelsOf(painted)[at([corner[0] + 6, corner[1] + 2])], 1);
+  assert.equal(pixelsOf(painted)[at([corner[0] + 6, corner[1] + 5])], 0);
+  const seen = (await page.evaluate((pixel) => globalThis.knuckle.imageAt(pixel), [corner[0] + 6, corner[1]])).map(Math.round);
+  const after = await pictureOf(page, "#image");
+  assert.ok(colourAt(after, ...seen)[0] > colourAt(before, ...seen)[0] + 30, "it is seen");
+
+  await page.keyboard.press("e");
+  await strokeOver(page, corner, corner);
+  const erased = await maskOf(page);
+  assert.equal(pixelsOf(erased)[at(corner)], 0);
+  assert.equal(pixelsOf(erased)[at([corner[0] + 10, corner[1]])], 1);
+  await page.keyboard.press("z");
+  await quiet(page);
+  assert.deepEqual(await maskOf(page), painted);
+  await page.keyboard.press("y");
+  await quiet(page);
+  assert.deepEqual(await maskOf(page), erased);
+  assert.equal((await shown(page)).labels[0].landmarks.wrist.state, "estimated", "the brush places no landmark");
+  await page.keyboard.press("l");
+  await page.keyboard.press("v");
+  await quiet(page);
+  assert.deepEqual(page.faults, []);
+  assert.ok(linesOf(file).some(({ act, mask }) => act === "brush" && mask.length > 2));
+  await stop("SIGKILL");
+
+  const again = await pageAt((await annotate({ labels: "masks" })).address);
+  assert.deepEqual(await maskOf(again), erased);
+  const labels = join(folder, "masks");
+  const [set, h5, back] = ["masks_set", "masks.h5", "masks_back"].map((name) => join(folder, name));
+  runProgram(program, ["labels", "export", "--source", source, "--labels", labels, "--out", set]);
+  assert.deepEqual(writtenMask(set), pixelsOf(erased));
+  runProgram(program, ["labels", "export", "--source", source, "--labels", labels, "--format", "h5", "--out", h5]);
+  runProgram(program, ["labels", "import", "--source", `h5:${h5}`, "--labels", join(folder, "masks_of_h5")]);
+  runProgram(program, ["labels", "export", "--source", `h5:${h5}`, "--labels", join(folder, "masks_of_h5"), "--out", back]);
+  assert.deepEqual(writtenMask(back), pixelsOf(erased));
+});
+
+test("both hands of a frame are exported, each in a poses file", { skip }, () => {
+  const labels = join(folder, "both");
+  for (const side of ["right", "left"]) runProgram(program, ["labels", "import", "--source", source, "--labels", labels, "--side", side]);
+  const poses = (name, more = []) => {
+    runProgram(program, ["labels", "export", "--source", source, "--labels", labels, "--format", "poses", "--out", join(folder, `${name}.txt`), ...more]);
+    return [`${name}.txt`, `${name}.hand2.txt`].map((file) => (existsSync(join(folder, file)) ? readFileSync(join(folder, file), "utf8") : null));
+  };
+  const [first, second] = poses("both");
+  assert.equal(first.trim().split("\n").length, kFrames + 1);
+  assert.equal(second, first, "the same joints were imported for both sides");
+  assert.equal(poses("one", ["--side", "left"])[1], null);
 });
 
 test("two pages on the same frame: the second is told", { skip }, async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the PNG files that browsers write: 8 bits, RGB or RGBA, not interlaced.
+// Reads the PNG files that browsers write: 8 bits, grey, RGB or RGBA, not interlaced; and of masks.
 import { inflateSync } from "node:zlib";
 
 /** Width, height and RGBA bytes of a PNG file. Throws where it is none of the expected kind. */
@@ -15,12 +15,12 @@ export function decodePng(file) {
     if (kind === "IDAT") parts.push(body);
     at += 12 + length;
   }
-  if (header.bits !== 8 || ![2, 6].includes(header.colour) || header.interlaced) throw new Error("a PNG of another kind");
+  if (header.bits !== 8 || ![0, 2, 6].includes(header.colour) || header.interlaced) throw new Error("a PNG of another kind");
   return { width: header.width, height: header.height, pixels: unfilter(inflateSync(Buffer.concat(parts)), header) };
 }
 
 function unfilter(data, { width, height, colour }) {
-  const channels = colour === 6 ? 4 : 3;
+  const channels = colour === 6 ? 4 : colour === 2 ? 3 : 1;
   const stride = width * channels;
   const rows = Buffer.alloc(stride * height);
   const pixels = new Uint8Array(4 * width * height).fill(255);
@@ -34,7 +34,7 @@ function unfilter(data, { width, height, colour }) {
       rows[row * stride + i] = data[row * (stride + 1) + 1 + i] + predicted;
     }
     for (let column = 0; column < width; ++column) {
-      for (let k = 0; k < channels; ++k) pixels[4 * (row * width + column) + k] = rows[row * stride + column * channels + k];
+      for (let k = 0; k < Math.max(3, channels); ++k) pixels[4 * (row * width + column) + k] = rows[row * stride + column * channels + Math.min(k, channels - 1)];
     }
   }
   return pixels;

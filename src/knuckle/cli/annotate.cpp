@@ -31,6 +31,7 @@ struct AnnotateArguments {
   std::string author;
   std::string host = "127.0.0.1";
   int port = kUsualPort;
+  int reach = LabelSessionOptions().reach;
   bool accepts_changed_source = false;
 };
 
@@ -75,6 +76,7 @@ void run_annotate(const AnnotateArguments& arguments) {
   LabelJournal journal(file, head,
                        arguments.accepts_changed_source ? ChangedSource::accept : ChangedSource::refuse);
   LabelSessionOptions options;
+  options.reach = arguments.reach;
   if (!arguments.author.empty()) options.author = arguments.author;
   if (pipeline) {
     options.estimator = arguments.prelabel.filename().string();
@@ -122,6 +124,13 @@ void add_annotate(CLI::App& program) {
   verb.add_option("--author", arguments->author,
                   "Who labels; each author's labels are in a file of their own, labels.NAME.jsonl")
       ->type_name("NAME");
+  constexpr int kFarthestReach = 100;
+  verb.add_option("--follow", arguments->reach,
+                  "Frames on both sides that follow a verified one; 0 where frames have nothing to do with "
+                  "each other")
+      ->check(CLI::Range(0, kFarthestReach).description(""))
+      ->type_name("FRAMES")
+      ->capture_default_str();
   verb.add_option("--port", arguments->port, "Port of the page; 0: any free one")
       ->check(CLI::Range(0, kMostPort).description(""))
       ->type_name("PORT")

@@ -14,6 +14,7 @@
 #include "knuckle/label/label_agreement.h"
 #include "knuckle/label/label_journal.h"
 #include "knuckle/label/labelled_source.h"
+#include "knuckle/pipeline/estimate_files.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/prepare/source_fingerprint.h"
 #include "knuckle/storage/file_io.h"
@@ -59,6 +60,15 @@ void write_poses(const LabelledSource& labelled, const std::filesystem::path& ou
   write_poses_file(out, *labelled.convention(), poses, labelled.pixel_origin());
 }
 
+/// The other hands of frames with both, in a file beside, as `estimate` names it; none where there are none.
+void write_second_hands(const FrameSource& source, const LabelBook& book, const LabelsArguments& arguments) {
+  if (arguments.side) return;
+  LabelledSourceOptions options = options_of(arguments);
+  options.takes_second = true;
+  const LabelledSource second(source, book, options);
+  if (second.labelled_count() > 0) write_poses(second, poses_path_of_hand(arguments.out, 1));
+}
+
 /// Frames without a hand get a pose of which nothing is known: all or none of a set are labelled.
 void write_set(const LabelledSource& labelled, const LabelsArguments& arguments) {
   const auto writer = create_frame_writer(arguments.format, arguments.out, FrameWriterOptions());
@@ -84,8 +94,13 @@ void run_export(const LabelsArguments& arguments) {
   }
   if (arguments.format == "poses") {
     write_poses(labelled, arguments.out);
+    write_second_hands(*source, book, arguments);
   } else {
     write_set(labelled, arguments);
+  }
+  if (arguments.format != "poses" && labelled.without_mask_count() > 0) {
+    fmt::print(stderr, "warning: {} of {} labelled frames have no mask: theirs is written empty\n",
+               labelled.without_mask_count(), labelled.labelled_count());
   }
   fmt::print("{}: {} of {} frames labelled in {}\n", arguments.out.string(), labelled.labelled_count(),
              labelled.size(), labelled.convention()->name);

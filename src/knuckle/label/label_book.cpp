@@ -36,6 +36,9 @@ const LabelChange* HandHistory::estimate() const {
 }
 
 LabelState HandHistory::state() const {
+  const auto is_missing = [](const LandmarkLabel& label) { return label.at.is_missing(); };
+  if (newest().mask && std::ranges::all_of(newest().landmarks, is_missing))
+    return newest().act == LabelAct::verify ? LabelState::verified : LabelState::corrected;
   LabelState least = LabelState::verified;
   LabelState most = LabelState::estimated;
   for (const LandmarkLabel& label : newest().landmarks) {
@@ -65,6 +68,7 @@ void LabelBook::add(LabelChange change, std::string_view where) {
   }
   if (change.landmarks.size() != head_.convention.landmarks.size())
     fail("{}: {} landmarks, expected {}", where, change.landmarks.size(), head_.convention.size());
+  if (before != nullptr && !says_mask(change.act)) change.mask = before->newest().mask;
   note_ages(change, before == nullptr ? nullptr : &before->newest());
   note_step(change, where);
   hands_[key].changes.push_back(std::move(change));
@@ -106,7 +110,10 @@ LabelChange LabelBook::back_to(HandKey hand, std::int64_t revision, LabelAct act
   const HandHistory& history = hands_.at(hand);
   LabelChange change{.frame = hand.frame, .side = hand.side, .revision = history.revision() + 1, .act = act};
   change.landmarks.resize(head_.convention.landmarks.size());
-  if (revision > 0) change.landmarks = history.changes[static_cast<std::size_t>(revision - 1)].landmarks;
+  if (revision == 0) return change;
+  const LabelChange& then = history.changes[static_cast<std::size_t>(revision - 1)];
+  change.landmarks = then.landmarks;
+  change.mask = then.mask;
   return change;
 }
 

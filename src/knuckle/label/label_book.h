@@ -33,7 +33,8 @@ struct HandHistory {
   /// What machines made of it last: the newest change without a pinned landmark, or null.
   const LabelChange* estimate() const;
   /// The best state that all labelled landmarks have reached: verified once a person has verified the hand;
-  /// else corrected where any landmark is; else that of its landmarks.
+  /// else corrected where any landmark is; else that of its landmarks. Of a hand that has a mask alone:
+  /// verified where that is the last that was done, else corrected.
   LabelState state() const;
 };
 

@@ -21,8 +21,8 @@ constexpr std::string_view kHeadBegins = R"({"knuckle_labels":)";
 constexpr int kVersion = 1;
 constexpr double kLongestWorkSeconds = 1e6;
 constexpr std::array<std::string_view, 4> kStateNames{"estimated", "propagated", "corrected", "verified"};
-constexpr std::array<std::string_view, 8> kActNames{"estimate", "propagate", "import", "correct",
-                                                    "look",     "verify",    "undo",   "redo"};
+constexpr std::array<std::string_view, 9> kActNames{"estimate", "propagate", "import", "correct", "look",
+                                                    "verify",   "undo",      "redo",   "brush"};
 constexpr std::size_t kPartsOfLabel = 5;  // state, whether it is visible, u, v, d
 
 std::string text_of(const Json& json) {
@@ -117,6 +117,34 @@ std::vector<LandmarkLabel> labels_from(const Value& value, const Convention& con
   return labels;
 }
 
+/// [width, height, run, run, ...]
+std::shared_ptr<const LabelMask> mask_from(const Value& value) {
+  constexpr std::size_t kSides = 2;
+  if (!value.json.is_array() || value.json.size() <= kSides || value.json.size() > kSides + kMostMaskRuns)
+    value.fail_expected(fmt::format("a list of width, height and 1 to {} runs", kMostMaskRuns));
+  const auto number = [&](std::size_t i, std::int64_t low, std::int64_t high) {
+    return Value{value.json[i], value.where}.whole_number(low, high);
+  };
+  auto mask = std::make_shared<LabelMask>();
+  mask->width = static_cast<int>(number(0, 1, limits::kImageSide));
+  mask->height = static_cast<int>(number(1, 1, limits::kImageSide));
+  const std::int64_t size = std::int64_t{mask->width} * mask->height;
+  std::int64_t sum = 0;
+  for (std::size_t i = kSides; i < value.json.size(); ++i) {
+    mask->runs.push_back(number(i, 0, size - sum));
+    sum += mask->runs.back();
+  }
+  if (sum != size) fail("{}: its runs have {} pixels, expected {}", value.where, sum, size);
+  return mask;
+}
+
+void append_mask(const LabelMask& mask, std::string& line) {
+  auto end = std::back_inserter(line);
+  fmt::format_to(end, R"(,"mask":[{},{})", mask.width, mask.height);
+  for (const std::int64_t run : mask.runs) fmt::format_to(end, ",{}", run);
+  line += ']';
+}
+
 }  // namespace
 
 std::string_view name_of(LabelState state) {
@@ -128,7 +156,12 @@ std::string_view name_of(LabelAct act) {
 }
 
 bool is_of_person(LabelAct act) {
-  return act == LabelAct::correct || act == LabelAct::look || act == LabelAct::verify;
+  return act == LabelAct::correct || act == LabelAct::look || act == LabelAct::verify ||
+         act == LabelAct::brush;
+}
+
+bool says_mask(LabelAct act) {
+  return act == LabelAct::brush || act == LabelAct::undo || act == LabelAct::redo;
 }
 
 bool LandmarkLabel::operator==(const LandmarkLabel& other) const {
@@ -170,7 +203,9 @@ std::string to_json_line(const LabelChange& change, const Convention& convention
     fmt::format_to(end, R"(["{}","{}",{:.4f},{:.4f},{:.4f}])", name_of(label.state),
                    label.is_visible ? "visible" : "hidden", label.at.u, label.at.v, label.at.depth_mm);
   }
-  return line + "}}";
+  line += '}';
+  if (change.mask && says_mask(change.act)) append_mask(*change.mask, line);
+  return line + '}';
 }
 
 bool is_label_head(std::string_view line) {
@@ -195,7 +230,8 @@ LabelHead parse_label_head(std::string_view line, std::string_view where) {
 LabelChange parse_label_change(std::string_view line, const LabelHead& head, std::string_view where) {
   const Json json = label_json::parsed(line, limits::kLineLength, where);
   const Fields fields({json, std::string(where)},
-                      {"frame", "side", "revision", "act", "author", "time", "seconds", "landmarks"});
+                      {"frame", "side", "revision", "act", "author", "time", "seconds", "landmarks"},
+                      {"mask"});
   constexpr std::array<std::string_view, 2> kSides{"right", "left"};
   LabelChange change;
   change.frame = fields.at("frame").whole_number(0, head.frames - 1);
@@ -206,6 +242,9 @@ LabelChange parse_label_change(std::string_view line, const LabelHead& head, std
   change.time = fields.at("time").text(label_json::kMostNameBytes);
   change.seconds = fields.at("seconds").number(0.0, kLongestWorkSeconds);
   change.landmarks = labels_from(fields.at("landmarks"), head.convention);
+  if (!fields.has("mask")) return change;
+  if (!says_mask(change.act)) fail("{}: a mask stands in a change that is none of it", where);
+  change.mask = mask_from(fields.at("mask"));
   return change;
 }
 

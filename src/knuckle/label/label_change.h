@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "knuckle/core/frame.h"
 #include "knuckle/core/landmarks.h"
 #include "knuckle/core/pose.h"
+#include "knuckle/label/label_mask.h"
 
 namespace knuckle {
 
@@ -38,12 +40,24 @@ struct LandmarkLabel {
 };
 
 /// What was done to a hand's labels.
-enum class LabelAct : std::uint8_t { estimate, propagate, import, correct, look, verify, undo, redo };
+enum class LabelAct : std::uint8_t {
+  estimate,
+  propagate,
+  import,
+  correct,
+  look,
+  verify,
+  undo,
+  redo,
+  brush,  ///< its mask was painted, or laid over the fitted surface
+};
 
-/// "estimate", ..., "redo".
+/// "estimate", ..., "brush".
 std::string_view name_of(LabelAct act);
 /// Whether a person did it, so that it can be undone.
 bool is_of_person(LabelAct act);
+/// Whether the change says which mask the hand has, or that it has none; all others leave it as it is.
+bool says_mask(LabelAct act);
 
 /// The labels of one hand after a change: a line of labels.jsonl. The last line of a hand says how it stands.
 struct LabelChange {
@@ -54,7 +68,8 @@ struct LabelChange {
   std::string author = {};  ///< a person's name, or the pipeline's
   std::string time = {};    ///< of day, UTC, as in "2026-11-23T17:40:58Z"
   double seconds = 0.0;     ///< that the person had worked on this frame since the last change
-  std::vector<LandmarkLabel> landmarks = {};  ///< one per landmark of the head's convention
+  std::vector<LandmarkLabel> landmarks = {};   ///< one per landmark of the head's convention
+  std::shared_ptr<const LabelMask> mask = {};  ///< the hand's pixels; null: nobody has painted them
 };
 
 /// What the labels belong to: the first line of labels.jsonl. Where there are more such lines, because the

@@ -2,9 +2,12 @@
 #include "knuckle/label/label_edit.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/hand/adult_skeleton.h"
 #include "knuckle/label/label_skin.h"
+#include "knuckle/label/mask_brush.h"
 
 namespace knuckle {
 namespace {
@@ -52,6 +55,30 @@ std::string edit_labels(const LabelRequest& request, const Frame& frame, const C
   }
   label.at = at;
   label.state = LabelState::corrected;
+  return {};
+}
+
+std::string edit_mask(const LabelRequest& request, const Frame& frame, const LabelFit* fit,
+                      std::shared_ptr<const LabelMask>& mask) {
+  Image<std::uint8_t> pixels(frame.depth_mm.width(), frame.depth_mm.height());
+  if (request.kind == LabelRequest::Kind::outline) {
+    if (fit == nullptr) return "The hand model is not fitted here: label at least three landmarks first.";
+    auto points = landmarks(adult_skeleton(), fit->pose);
+    if (request.hand.side == HandSide::left) {
+      for (Point3& point : points) point.x() = -point.x();
+    }
+    pixels = pixels_near_flesh(frame, points);
+  } else {
+    if (mask) {
+      if (mask->width != pixels.width() || mask->height != pixels.height())
+        return "The mask is of an image of another size.";
+      pixels = pixels_of(*mask);
+    }
+    paint(request.stroke, pixels);
+  }
+  LabelMask painted = mask_from_pixels_of_hand(pixels);
+  if (painted.runs.size() > kMostMaskRuns) return "This mask would have too many edges.";
+  mask = std::make_shared<const LabelMask>(std::move(painted));
   return {};
 }
 

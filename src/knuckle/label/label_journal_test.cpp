@@ -116,6 +116,11 @@ TEST_F(LabelJournalTest, AFileThatVanishedIsSaid) {
   EXPECT_THAT(journal.fault(), HasSubstr("cannot write"));
 }
 
+TEST_F(LabelJournalTest, AFolderThatCannotBeWrittenIsNamedAtTheStart) {
+  EXPECT_THAT(testing::error_of([&] { LabelJournal("/proc/labels.jsonl", head_); }),
+              HasSubstr("/proc/labels.jsonl: cannot write"));
+}
+
 TEST_F(LabelJournalTest, LabelsOfAnotherSourceAreRefused) {
   { LabelJournal(path_, head_).add(change_at(1, 1, 1)); }
   LabelHead other = head_;

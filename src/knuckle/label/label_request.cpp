@@ -16,13 +16,16 @@ using label_json::Value;
 using Kind = LabelRequest::Kind;
 
 constexpr double kLongestSeconds = 3600.0;
-constexpr std::array<std::string_view, 7> kActs{"place", "move", "look", "free", "verify", "undo", "redo"};
+constexpr std::array<std::string_view, 9> kActs{"place", "move", "look",  "free",   "verify",
+                                                "undo",  "redo", "brush", "outline"};
 const char* const kWhere = "message";
 
 /// The keys that a kind needs.
 std::vector<std::string> keys_of(Kind kind) {
   if (kind == Kind::undo || kind == Kind::redo) return {"act"};
   std::vector<std::string> keys{"act", "frame", "side", "revision"};
+  if (kind == Kind::brush) keys.insert(keys.end(), {"points", "radius_px", "erases"});
+  if (kind == Kind::brush || kind == Kind::outline) return keys;
   if (kind != Kind::verify) keys.emplace_back("landmark");
   if (kind == Kind::place) keys.emplace_back("pixel");
   if (kind == Kind::move) keys.emplace_back("point_mm");
@@ -42,6 +45,21 @@ std::size_t landmark_from(const Value& value, const Convention& convention) {
     if (name_of(convention.landmarks[i]) == name) return i;
   }
   fail("{}: '{}' is no landmark of {}", value.where, name, convention.name);
+}
+
+BrushStroke stroke_from(const Fields& fields) {
+  const Value points = fields.at("points");
+  if (!points.json.is_array() || points.json.empty() || points.json.size() > kMostStrokePoints)
+    points.fail_expected(fmt::format("a list of 1 to {} points", kMostStrokePoints));
+  BrushStroke stroke;
+  for (const Json& one : points.json) {
+    const Value point{one, points.where};
+    stroke.points.push_back(
+        {number_in(point, 2, 0, label_json::kFarthestPx), number_in(point, 2, 1, label_json::kFarthestPx)});
+  }
+  stroke.radius_px = fields.at("radius_px").number(kSmallestBrushPx, kLargestBrushPx);
+  stroke.erases = fields.at("erases").flag();
+  return stroke;
 }
 
 void read_hand(const Fields& fields, const LabelHead& head, LabelRequest& request) {
@@ -72,6 +90,7 @@ LabelRequest parse_label_request(std::string_view text, const LabelHead& head) {
           number_in(fields.at("point_mm"), 3, static_cast<std::size_t>(i), label_json::kFarthestMm);
     }
   }
+  if (fields.has("points")) request.stroke = stroke_from(fields);
   if (fields.has("visible")) request.is_visible = fields.at("visible").flag();
   if (fields.has("preview")) request.is_preview = fields.at("preview").flag();
   if (fields.has("model")) request.uses_model = fields.at("model").flag();

@@ -43,10 +43,34 @@ TEST(LabelRequest, EachKindIsRead) {
   EXPECT_EQ(parsed(R"({"act":"redo"})").kind, Kind::redo);
 }
 
+TEST(LabelRequest, StrokesAreReadAndRefused) {
+  const auto brush = [](std::string_view points, std::string_view radius, std::string_view erases) {
+    return fmt::format(
+        R"({{"act":"brush","frame":2,"side":"left","revision":0,"points":{},"radius_px":{},"erases":{}}})",
+        points, radius, erases);
+  };
+  const LabelRequest request = parsed(brush("[[1,2.5],[-3,4]]", "6", "true"));
+  EXPECT_EQ(request.kind, Kind::brush);
+  ASSERT_EQ(request.stroke.points.size(), 2U);
+  EXPECT_EQ(request.stroke.points[1][0], -3.0);
+  EXPECT_EQ(request.stroke.radius_px, 6.0);
+  EXPECT_TRUE(request.stroke.erases);
+  EXPECT_EQ(parsed(R"({"act":"outline","frame":2,"side":"left","revision":0})").kind, Kind::outline);
+  EXPECT_THAT(request_refusal(brush("[]", "6", "true")), HasSubstr("1 to 256 points"));
+  EXPECT_THAT(request_refusal(brush("[[1]]", "6", "true")), HasSubstr("a list of 2 numbers"));
+  EXPECT_THAT(request_refusal(brush("[[1,1e9]]", "6", "true")), HasSubstr("points: is"));
+  EXPECT_THAT(request_refusal(brush("[[1,1]]", "0.2", "true")), HasSubstr("radius_px: is 0.2"));
+  EXPECT_THAT(request_refusal(brush("[[1,1]]", "101", "true")), HasSubstr("radius_px: is 101"));
+  EXPECT_THAT(request_refusal(brush("[[1,1]]", "6", "1")), HasSubstr("true or false"));
+  std::string many = "[[1,1]";
+  for (int i = 0; i < 256; ++i) many += ",[1,1]";
+  EXPECT_THAT(request_refusal(brush(many + "]", "6", "true")), HasSubstr("1 to 256 points"));
+}
+
 TEST(LabelRequest, EverythingElseIsRefused) {
   EXPECT_THAT(request_refusal(""), HasSubstr("not JSON"));
   EXPECT_THAT(request_refusal("[]"), HasSubstr("expected an object"));
-  EXPECT_THAT(request_refusal(std::string(2000, ' ')), HasSubstr("2000 bytes, expected 1024"));
+  EXPECT_THAT(request_refusal(std::string(9000, ' ')), HasSubstr("9000 bytes, expected 8192"));
   EXPECT_THAT(request_refusal(std::string(500, '[')), HasSubstr("nested too deeply"));
   EXPECT_THAT(request_refusal(R"({"act":"erase"})"), HasSubstr("act: is 'erase'"));
   EXPECT_THAT(request_refusal(R"({"act":"verify"})"), HasSubstr("lacks the key 'frame'"));

@@ -25,9 +25,13 @@ constexpr double kUsualPalmMm = 95.0;
 constexpr int kFollowingReach = 4;        // frames on both sides that surely follow a verified one
 constexpr double kUnknownDoubtMm = 20.0;  // of labels that nothing was fitted to
 
-bool is_labelled(const LabelChange& change) {
+bool has_landmarks(const LabelChange& change) {
   return std::ranges::any_of(change.landmarks,
                              [](const LandmarkLabel& label) { return !label.at.is_missing(); });
+}
+
+bool is_labelled(const LabelChange& change) {
+  return change.mask != nullptr || has_landmarks(change);
 }
 
 /// All of them visible: what is hidden a person says. A machine's guess would make good estimates count for
@@ -112,6 +116,7 @@ LabelledHand LabelSession::labelled_hand(HandKey hand, const HandHistory& histor
                         .state = history.state(),
                         .landmarks = newest.landmarks,
                         .fit = {},
+                        .mask = newest.mask,
                         .seconds = 0.0,
                         .author = newest.author,
                         .time = newest.time};
@@ -253,10 +258,17 @@ LabelAnswer LabelSession::change_hand(const LabelRequest& request,
                      .time = now(),
                      .seconds = request.seconds};
   change.landmarks.resize(head().convention.landmarks.size());
-  if (history != nullptr) change.landmarks = history->newest().landmarks;
+  if (history != nullptr) {
+    change.landmarks = history->newest().landmarks;
+    change.mask = history->newest().mask;
+  }
+  if (request.kind == LabelRequest::Kind::brush || request.kind == LabelRequest::Kind::outline)
+    return change_mask(request, frame, std::move(change));
   if (request.kind == LabelRequest::Kind::look) change.act = LabelAct::look;
   if (request.kind == LabelRequest::Kind::verify) change.act = LabelAct::verify;
-  answer.remark = edit_labels(request, *frame, head().convention, palm_mm(request.hand), change.landmarks);
+  const bool verifies_mask_alone = change.act == LabelAct::verify && change.mask && !has_landmarks(change);
+  if (!verifies_mask_alone)
+    answer.remark = edit_labels(request, *frame, head().convention, palm_mm(request.hand), change.landmarks);
   if (!answer.remark.empty()) {
     answer.labelled = labelled(request.hand.frame, frame);
     return answer;
@@ -283,6 +295,25 @@ LabelAnswer LabelSession::change_hand(const LabelRequest& request,
   commit(std::move(change));
   if (is_verify || was_verified) learn_bones(request.hand, *frame);
   if (is_verify) queue_neighbours(request.hand);
+  answer.labelled = labelled(request.hand.frame, frame);
+  return answer;
+}
+
+/// Landmarks stay as they are, and so does what was fitted to them.
+LabelAnswer LabelSession::change_mask(const LabelRequest& request, const std::shared_ptr<const Frame>& frame,
+                                      LabelChange change) {
+  change.act = LabelAct::brush;
+  std::optional<LabelFit> fit;
+  if (request.kind == LabelRequest::Kind::outline)
+    fit = fitted(request.hand, change.landmarks, *frame, context_of(request.hand));
+  LabelAnswer answer;
+  answer.remark = edit_mask(request, *frame, fit ? &*fit : nullptr, change.mask);
+  if (answer.remark.empty() && !request.is_preview) {
+    const auto kept = fits_.find(request.hand);
+    if (kept != fits_.end() && kept->second.revision == request.revision)
+      kept->second.revision = change.revision;
+    commit(std::move(change));
+  }
   answer.labelled = labelled(request.hand.frame, frame);
   return answer;
 }

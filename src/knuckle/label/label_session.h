@@ -36,10 +36,11 @@ struct LabelledHand {
   HandSide side = HandSide::right;
   std::int64_t revision = 0;
   LabelState state = LabelState::estimated;
-  std::vector<LandmarkLabel> landmarks = {};  ///< one per landmark of the convention
-  std::optional<LabelFit> fit = {};           ///< of the hand model, where it was fitted
-  double seconds = 0.0;                       ///< that persons have worked on it
-  std::string author = {};                    ///< of the newest change
+  std::vector<LandmarkLabel> landmarks = {};   ///< one per landmark of the convention
+  std::optional<LabelFit> fit = {};            ///< of the hand model, where it was fitted
+  std::shared_ptr<const LabelMask> mask = {};  ///< null: nobody has painted it
+  double seconds = 0.0;                        ///< that persons have worked on it
+  std::string author = {};                     ///< of the newest change
   std::string time = {};
 };
 
@@ -125,6 +126,8 @@ class LabelSession {
   LabelAnswer change_hand(const LabelRequest& request, const std::shared_ptr<const Frame>& frame);
   void settle_depth(const LabelRequest& request, const Frame& frame,
                     std::vector<LandmarkLabel>& labels) const;
+  LabelAnswer change_mask(const LabelRequest& request, const std::shared_ptr<const Frame>& frame,
+                          LabelChange change);
   LabelAnswer step_back(LabelAct act);
   void commit(LabelChange change);
   void learn_bones(HandKey hand, const Frame& frame);

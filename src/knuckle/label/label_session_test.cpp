@@ -3,6 +3,7 @@
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/label/label_mask.h"
 #include "knuckle/label/label_testing.h"
 
 namespace knuckle {
@@ -85,6 +86,51 @@ TEST_F(LabelSessionTest, ACorrectionMovesTheOthersAndIsPinned) {
   EXPECT_EQ(hand.landmarks[tip - 1].state, LabelState::estimated);
   EXPECT_EQ(hand.landmarks[tip - 1].since, 2) << "the model moved it";
   EXPECT_EQ(hand.author, "ann");
+}
+
+TEST_F(LabelSessionTest, MasksArePaintedUndoneAndReadAgain) {
+  LabelSession session(source_, journal_, options());
+  session.frame(2);
+  const LabelAnswer outline = session.apply(request(Kind::outline, 2, 1));
+  ASSERT_EQ(outline.remark, "");
+  const auto mask = outline.labelled.hands[0].mask;
+  ASSERT_TRUE(mask);
+  const Image<std::uint8_t> pixels = pixels_of(*mask);
+  const Frame frame = source_.read(2);
+  EXPECT_GT(std::ranges::count(pixels.pixels(), 1), 500);
+  EXPECT_EQ(pixels(0, 0), 0) << "the wall";
+  LabelRequest stroke = request(Kind::brush, 2, 2);
+  stroke.stroke = {.points = {{3, 3}, {20, 3}}, .radius_px = 2};
+  const LabelAnswer painted = session.apply(stroke);
+  EXPECT_EQ(pixels_of(*painted.labelled.hands[0].mask)(10, 3), 1);
+  EXPECT_EQ(painted.labelled.hands[0].landmarks, outline.labelled.hands[0].landmarks);
+  EXPECT_TRUE(session.apply(stroke).is_refused) << "of an old revision";
+  session.apply(to_truth(2, 3, Landmark::index_tip));  // leaves the mask as it is
+  const LabelBook read = read_label_file(journal_.path());
+  EXPECT_EQ(*read.find({2})->newest().mask, *painted.labelled.hands[0].mask) << "in the file";
+  session.apply(request(Kind::undo, 0, 0));
+  EXPECT_EQ(*session.apply(request(Kind::undo, 0, 0)).labelled.hands[0].mask, *mask);
+  EXPECT_EQ(session.apply(request(Kind::undo, 0, 0)).labelled.hands[0].mask, nullptr);
+  EXPECT_EQ(read_label_file(journal_.path()).find({2})->newest().mask, nullptr);
+  EXPECT_EQ(*session.apply(request(Kind::redo, 0, 0)).labelled.hands[0].mask, *mask);
+  EXPECT_EQ(*read_label_file(journal_.path()).find({2})->newest().mask, *mask);
+}
+
+TEST_F(LabelSessionTest, AMaskNeedsNoLandmarksButItsOutlineDoes) {
+  LabelSession session(source_, journal_, options(false));
+  EXPECT_THAT(session.apply(request(Kind::outline, 1, 0)).remark, HasSubstr("three landmarks"));
+  LabelRequest stroke = request(Kind::brush, 1, 0);
+  stroke.stroke = {.points = {{30, 30}}, .radius_px = 5};
+  stroke.is_preview = true;
+  session.apply(stroke);
+  EXPECT_EQ(journal_.book().find({1}), nullptr) << "a preview keeps nothing";
+  stroke.is_preview = false;
+  const LabelAnswer painted = session.apply(stroke);
+  ASSERT_EQ(painted.labelled.hands.size(), 1U);
+  EXPECT_EQ(painted.labelled.hands[0].state, LabelState::corrected);
+  const LabelAnswer verified = session.apply(request(Kind::verify, 1, 1));
+  EXPECT_EQ(verified.remark, "");
+  EXPECT_EQ(verified.labelled.hands[0].state, LabelState::verified);
 }
 
 TEST_F(LabelSessionTest, WithoutTheModelRawPointsRemainRaw) {

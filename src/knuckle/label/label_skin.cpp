@@ -68,9 +68,11 @@ ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark land
 
 double settled_depth_mm(double measured_mm, double fitted_mm) {
   constexpr double kFarMm = 30.0;
+  constexpr double kFarthestMm = 20.0;
   const double apart = (fitted_mm - measured_mm) / kFarMm;
   const double trust = 2.0 * std::pow(1.0 + apart * apart, -2.0);
-  return (trust * measured_mm + fitted_mm) / (trust + 1.0);
+  const double settled = (trust * measured_mm + fitted_mm) / (trust + 1.0);
+  return std::clamp(settled, measured_mm - kFarthestMm, measured_mm + kFarthestMm);
 }
 
 }  // namespace knuckle

@@ -37,7 +37,9 @@ ImagePoint placed_on_pixel(const Frame& frame, double u, double v, Landmark land
 
 /// The depth of a landmark that was shown on a pixel [mm]: between what was measured there and where the hand
 /// model has it, which knows the rest of the hand. The farther both are apart, the less the measurement
-/// counts (Geman and McClure 1985): another finger may lie before the joint.
+/// counts (Geman and McClure 1985): another finger may lie before the joint. Never more than 20 mm from the
+/// measurement: a person calls the landmark visible, so that its skin is what was measured, and a model that
+/// lies elsewhere is wrong.
 double settled_depth_mm(double measured_mm, double fitted_mm);
 
 }  // namespace knuckle

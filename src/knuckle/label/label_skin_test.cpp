@@ -47,10 +47,10 @@ TEST(LabelSkin, WhoPointsBesideAFingerDoesNotGetTheWall) {
   EXPECT_NEAR(*skin_depth_at(frame, 5, 5, {}), 900.0, 1e-3);
 }
 
-TEST(LabelSkin, TheModelSettlesTheDepthTheMoreTheFartherTheMeasurementIs) {
+TEST(LabelSkin, TheModelSettlesTheDepthTheMoreTheFartherTheMeasurementIsButNeverFarFromIt) {
   EXPECT_EQ(settled_depth_mm(500.0, 500.0), 500.0);
   double last_share = 1.0;
-  for (const double apart : {1.0, 10.0, 30.0, 60.0, 120.0}) {
+  for (const double apart : {1.0, 10.0, 20.0, 29.0}) {
     const double share =
         1.0 - (settled_depth_mm(500.0, 500.0 + apart) - 500.0) / apart;  // of the measurement
     EXPECT_LT(share, last_share);
@@ -59,7 +59,9 @@ TEST(LabelSkin, TheModelSettlesTheDepthTheMoreTheFartherTheMeasurementIs) {
                 1e-9);
     last_share = share;
   }
-  EXPECT_LT(last_share, 0.05);
+  EXPECT_LT(last_share, 0.5);
+  for (const double apart : {40.0, 100.0, 1000.0})
+    EXPECT_EQ(settled_depth_mm(500.0, 500.0 - apart), 480.0) << "a model that lies elsewhere is wrong";
 }
 
 TEST(LabelSkin, WithoutAMeasurementTheDepthIsKeptOrNothingIsKnown) {

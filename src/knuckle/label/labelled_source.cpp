@@ -12,7 +12,8 @@ namespace knuckle {
 namespace {
 
 bool has_labels(const HandHistory& history) {
-  return std::ranges::any_of(history.newest().landmarks,
+  return history.newest().mask != nullptr ||
+         std::ranges::any_of(history.newest().landmarks,
                              [](const LandmarkLabel& label) { return !label.at.is_missing(); });
 }
 
@@ -38,10 +39,44 @@ LabelledSource::LabelledSource(const FrameSource& source, const LabelBook& book,
   }
   for (const auto& [hand, history] : book.hands()) {
     if (options.side && *options.side != hand.side) continue;
-    if (!has_labels(history) || history.state() < options.least) continue;
-    const HandHistory*& chosen = chosen_[hand.frame];  // the right hand comes first
-    if (chosen == nullptr || chosen->state() < history.state()) chosen = &history;
+    if (has_labels(history) && history.state() >= options.least) choose(hand, history);
   }
+}
+
+/// The right hand comes first.
+void LabelledSource::choose(HandKey hand, const HandHistory& history) {
+  if (history.newest().mask) masks_[hand.frame].push_back(history.newest().mask);
+  if (options_.takes_second) {
+    const HandHistory* const left = book_.find({hand.frame, HandSide::left});
+    if (hand.side == HandSide::right) {
+      const bool has_both = left != nullptr && has_labels(*left) && left->state() >= options_.least;
+      if (has_both) chosen_[hand.frame] = left->state() > history.state() ? &history : left;
+    }
+    return;
+  }
+  const HandHistory*& chosen = chosen_[hand.frame];
+  if (chosen == nullptr || chosen->state() < history.state()) chosen = &history;
+}
+
+std::int64_t LabelledSource::without_mask_count() const {
+  if (masks_.empty()) return 0;
+  return std::ranges::count_if(chosen_, [this](const auto& one) { return !masks_.contains(one.first); });
+}
+
+Image<std::uint8_t> LabelledSource::mask_of(std::int64_t index, const Camera& camera) const {
+  Image<std::uint8_t> pixels(camera.width, camera.height);
+  const auto found = masks_.find(index);
+  if (found == masks_.end()) return pixels;
+  for (const auto& mask : found->second) {
+    if (mask->width != camera.width || mask->height != camera.height) {
+      fail("frame {}: its mask is of {}x{} pixels, its image of {}x{}", index, mask->width, mask->height,
+           camera.width, camera.height);
+    }
+    const Image<std::uint8_t> one = pixels_of(*mask);
+    std::ranges::transform(one.pixels(), pixels.pixels(), pixels.data(),
+                           [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
+  }
+  return pixels;
 }
 
 HandPose LabelledSource::as_labelled(const LabelChange& change) const {
@@ -72,6 +107,10 @@ Frame LabelledSource::read(std::int64_t index) const {
   if (auto truth = truth_of(index, frame.camera)) {
     frame.truth = std::move(truth->pose);
     frame.side = truth->side;
+  }
+  if (!masks_.empty()) {
+    frame.mask = mask_of(index, frame.camera);
+    frame.labels = {};  // they tell of another truth
   }
   return frame;
 }

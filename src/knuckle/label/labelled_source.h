@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "knuckle/data/frame_source.h"
 #include "knuckle/hand/landmark_definition.h"
@@ -15,13 +17,16 @@ namespace knuckle {
 struct LabelledSourceOptions {
   LabelState least = LabelState::verified;    ///< hands that are less sure are left out
   std::optional<HandSide> side = {};          ///< nothing: of a frame with both the surer one, else the right
+  bool takes_second = false;                  ///< of frames with both hands, the other one; no others
   bool keeps_hidden = true;                   ///< otherwise landmarks that are hidden are missing
   std::optional<Convention> convention = {};  ///< of the truth; nothing: as it was labelled
 };
 
 /// A source with labels in place of its own truth: one hand per frame, none where the frame is not labelled.
 /// Landmarks of another convention are found as its definition says (landmarks/NAME.toml), where the program
-/// ships one, and by their names otherwise. Safe to read from many threads.
+/// ships one, and by their names otherwise. Where any of the hands that count has a mask, all frames have
+/// one, in place of the source's own: the pixels of all hands that count, of both sides where none is asked
+/// for. Safe to read from many threads.
 class LabelledSource final : public FrameSource {
  public:
   /// Source and book have to live as long. Throws an Error where the source has another number of frames,
@@ -33,6 +38,8 @@ class LabelledSource final : public FrameSource {
   FrameLabel read_label(std::int64_t index) const override;
   std::optional<Convention> convention() const override { return target_; }
   PixelOrigin pixel_origin() const override { return source_.pixel_origin(); }
+  /// Frames that have a hand without a mask, although others have one: none of its pixels is said to be hand.
+  std::int64_t without_mask_count() const;
   /// Frames that have a hand.
   std::int64_t labelled_count() const { return static_cast<std::int64_t>(chosen_.size()); }
 
@@ -41,6 +48,8 @@ class LabelledSource final : public FrameSource {
     HandPose pose;
     HandSide side;
   };
+  void choose(HandKey hand, const HandHistory& history);
+  Image<std::uint8_t> mask_of(std::int64_t index, const Camera& camera) const;
   std::optional<Truth> truth_of(std::int64_t index, const Camera& camera) const;
   HandPose as_labelled(const LabelChange& change) const;
 
@@ -49,7 +58,8 @@ class LabelledSource final : public FrameSource {
   LabelledSourceOptions options_;
   Convention target_;
   std::optional<LandmarkDefinition> definition_;       ///< where names do not say it
-  std::map<std::int64_t, const HandHistory*> chosen_;  ///< by frame
+  std::map<std::int64_t, const HandHistory*> chosen_;  ///< by frame: the hand whose pose is the truth
+  std::map<std::int64_t, std::vector<std::shared_ptr<const LabelMask>>> masks_;  ///< by frame, of all hands
 };
 
 /// How a convention's landmarks lie on the hand, where it has landmarks that are none of the 22 and the

@@ -80,6 +80,52 @@ TEST_F(LabelledSourceTest, EveryConventionIsServed) {
   }
 }
 
+std::shared_ptr<const LabelMask> mask_of_column(int column, int width = kLabelCamera.width) {
+  Image<std::uint8_t> pixels(width, kLabelCamera.height);
+  for (int row = 0; row < pixels.height(); ++row) pixels(column, row) = 1;
+  return std::make_shared<const LabelMask>(mask_from_pixels_of_hand(pixels));
+}
+
+TEST_F(LabelledSourceTest, MasksAreThoseOfAllHandsThatCount) {
+  EXPECT_TRUE(LabelledSource(source_, book_, {}).read(0).mask.empty()) << "nobody has painted";
+  const auto brushed = [&](HandKey hand, int column) {
+    LabelChange change = book_.find(hand)->newest();
+    change.act = LabelAct::brush;
+    change.revision += 1;
+    change.mask = mask_of_column(column);
+    book_.add(change);
+  };
+  brushed({1}, 20);
+  brushed({1, HandSide::left}, 50);
+  const LabelledSource verified(source_, book_, {});
+  EXPECT_EQ(verified.without_mask_count(), 1) << "frame 0";
+  EXPECT_EQ(std::ranges::count(verified.read(0).mask.pixels(), 1), 0);
+  EXPECT_EQ(verified.read(1).mask, pixels_of(*mask_of_column(50))) << "the right one is only corrected";
+  const Image<std::uint8_t> both =
+      LabelledSource(source_, book_, {.least = LabelState::corrected}).read(1).mask;
+  EXPECT_EQ(std::ranges::count(both.pixels(), 1), 2 * kLabelCamera.height);
+  EXPECT_EQ(box_of(both), (Box{20, 0, 31, kLabelCamera.height}));
+  const LabelledSource right(source_, book_, {.least = LabelState::corrected, .side = HandSide::right});
+  EXPECT_EQ(right.read(1).mask, pixels_of(*mask_of_column(20)));
+}
+
+TEST_F(LabelledSourceTest, AMaskOfAnotherSizeIsRefused) {
+  LabelChange change = book_.find({0})->newest();
+  change.act = LabelAct::brush;
+  change.revision += 1;
+  change.mask = mask_of_column(3, 50);
+  book_.add(change);
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {}).read(0); }), HasSubstr("50x120"));
+}
+
+TEST_F(LabelledSourceTest, TheSecondHandOfAFrameIsTheLessSureOne) {
+  const LabelledSource second(source_, book_, {.least = LabelState::corrected, .takes_second = true});
+  EXPECT_EQ(second.labelled_count(), 1);
+  EXPECT_EQ(second.read_label(1).side, HandSide::right);
+  EXPECT_FALSE(second.read_label(0).truth);
+  EXPECT_EQ(LabelledSource(source_, book_, {.takes_second = true}).labelled_count(), 0);
+}
+
 TEST_F(LabelledSourceTest, LabelsOfAnotherSourceAreRefused) {
   const ClosingHand shorter(3);
   EXPECT_THAT(testing::error_of([&] { LabelledSource(shorter, book_, {}); }),

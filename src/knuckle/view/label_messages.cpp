@@ -51,6 +51,14 @@ Json number_or_null(double value) {
   return std::isfinite(value) ? Json(std::round(value * 100.0) / 100.0) : Json();
 }
 
+/// Width, height and runs in one list; null where there is none.
+Json mask_json(const LabelledHand& hand) {
+  if (!hand.mask) return {};
+  Json json = Json::array({hand.mask->width, hand.mask->height});
+  for (const std::int64_t run : hand.mask->runs) json.push_back(run);
+  return json;
+}
+
 Json labels_json(const LabelledHand& hand, const Convention& convention) {
   Json landmarks = Json::object();
   for (std::size_t i = 0; i < hand.landmarks.size(); ++i) {
@@ -67,6 +75,7 @@ Json labels_json(const LabelledHand& hand, const Convention& convention) {
           {"time", hand.time},
           {"rms_mm", number_or_null(hand.fit ? hand.fit->rms_mm : kNaN)},
           {"gap_mm", number_or_null(hand.fit ? hand.fit->gap_mm : kNaN)},
+          {"mask", mask_json(hand)},
           {"landmarks", std::move(landmarks)}};
 }
 

@@ -131,7 +131,7 @@ TEST_F(LabelServerTest, WhatIsMalformedTooLargeOrForeignIsRefused) {
   refused(verify(3, 1), 400);
   refused(verify(-1, 1), 400);
   refused(R"({"act":"place","frame":0,"side":"right","revision":0,"landmark":"nose","pixel":[1,1]})", 400);
-  refused(std::string(1100, ' '), 413);
+  refused(std::string(8300, ' '), 413);
   for (const char* const target :
        {"/api/frame", "/api/frame?index=3", "/api/frame?index=-1", "/api/frame?index=1x",
         "/api/frame?index=99999999999999999999", "/api/next?after=3", "/api/thumbnail?index="})

@@ -306,7 +306,7 @@ TEST_F(LiveServerTest, RequestsAreBounded) {
   };
   EXPECT_EQ(status_of(request("GET /", "X: " + std::string(20000, 'x') + "\r\n")), 431);
   EXPECT_THAT(status_of("GET /" + std::string(100000, 'x') + " HTTP/1.1\r\n\r\n"), AnyOf(431, 400));
-  EXPECT_EQ(status_of(request("POST /api/recording", "", std::string(5000, ' '))), 413);
+  EXPECT_EQ(status_of(request("POST /api/recording", "", std::string(9000, ' '))), 413);
   EXPECT_EQ(status_of(request("POST /api/recording", "Content-Length: 99999999999999999999\r\n")), 400);
   EXPECT_EQ(status_of("\x16\x03\x01\x02" + std::string(100, '\0')), 400) << "TLS";
   EXPECT_EQ(status_of("HELLO\r\n\r\n"), 400);

@@ -21,7 +21,7 @@
 namespace knuckle {
 
 inline constexpr std::uint32_t kMostHead = 8192;      ///< of a request [bytes]
-inline constexpr std::uint64_t kMostBody = 1024;      ///< of a request [bytes]
+inline constexpr std::uint64_t kMostBody = 8192;      ///< of a request [bytes]
 inline constexpr std::size_t kMostDiscarded = 65536;  ///< after a refusal [bytes]
 
 /// Boost's view of a text as the standard's.
