@@ -139,11 +139,11 @@ def resumed(place):
         assert place.bytes_of("parts.pt") == place.bytes_of("whole.pt"), workers
         (place.folder / "parts.pt.checkpoint").unlink()
     # Killed and interrupted while hands are cut out: what is whole is kept.
+    folder = next((place.folder / "cache").glob("samples_*/index.h5")).parent
     for sent, status in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 1)):
         for block in place.blocks():
             block.unlink()
         process = place.start(place.command("again.pt"))
-        folder = next((place.folder / "cache").glob("samples_*/index.h5")).parent
         wait_for(folder / "block_000000.h5", process)
         process.send_signal(sent)
         assert ended(process)[0] == status, "faster than its killer"

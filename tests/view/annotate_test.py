@@ -173,7 +173,7 @@ class AnnotateTest(unittest.TestCase):
     def test_messages_that_are_wrong_change_nothing(self):
         with Annotate(self.labels) as annotate:
             self.assertEqual(annotate.place(0)[0], 200)
-            for body, status in [(b"{", 400), (b"x" * 5000, 413), (b'{"act":"verify","frame":3,"side":"right","revision":1}', 400),
+            for body, status in [(b"{", 400), (b"x" * 9000, 413), (b'{"act":"verify","frame":3,"side":"right","revision":1}', 400),
                                  (b'{"act":"verify","frame":0,"side":"right","revision":0}', 409)]:
                 self.assertEqual(annotate.post(body)[0], status, body)
             self.assertEqual(annotate.place(1, frame=7)[0], 400)

@@ -11,6 +11,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/options.h"
 #include "knuckle/core/own_convention.h"
+#include "knuckle/core/portable_math.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
 #include "knuckle/hand/landmark_points.h"
@@ -293,7 +294,7 @@ double finger_bend(const SupersetPoints& hand, Landmark landmark) {
   const auto joint = [&](int which) { return point_of(hand, landmark_of_digit(digit, which)); };
   const Eigen::Vector3d first = joint(1) - joint(0);
   const Eigen::Vector3d last = joint(3) - joint(2);
-  return std::atan2(first.cross(last).norm(), first.dot(last)) / std::numbers::pi;
+  return portable_atan2(first.cross(last).norm(), first.dot(last)) / std::numbers::pi;
 }
 
 double palm_length(const SupersetPoints& hand) {
