@@ -101,7 +101,8 @@ bool are_there(const fs::path& folder, const std::vector<SampleBlockNote>& block
 std::vector<SampleBlockNote> made(const fs::path& folder, const SampleBlocks::Making& making) {
   make_folder(folder);
   std::error_code there_is_none;
-  fs::remove(index_of(folder), there_is_none);  // a making that is killed leaves none that tells of other blocks
+  fs::remove(index_of(folder),
+             there_is_none);  // a making that is killed leaves none that tells of other blocks
   std::vector<SampleBlockNote> notes = BlockMaker(folder, making).all();
   write_block_index(index_of(folder), notes, making.inputs);
   return notes;
