@@ -16,8 +16,8 @@ struct WindowMatchingOptions {
   int widest_window_px = 0;   ///< each frame draws a reach from window_px to this, [0, 16] [px]; 0: window_px
   double window_share = 1.0;  ///< part of the frames that are seen so, [0, 1]
   double nearer_share = 0.4;  ///< the nearer surface wins where it fills more than this part, [0, 1]
-  double window_grain =
-      0.0;  ///< in such frames range noise is alike over so many reaches, [0, 4]; 0: grain_px
+  /// In such frames range noise is alike over so many reaches, [0, 4]; 0: over grain_px.
+  double window_grain = 0.0;
 
   void visit(OptionVisitor& visitor);
 };
