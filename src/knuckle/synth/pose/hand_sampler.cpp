@@ -8,11 +8,11 @@
 
 #include "knuckle/core/angle.h"
 #include "knuckle/synth/pose/gestures.h"
+#include "knuckle/synth/pose/touching_thumb.h"
 
 namespace knuckle {
 namespace {
 
-constexpr int kThumbAngles = 5;
 constexpr int kAnglesPerFinger = 4;
 /// Share of grasps in which the thing bends the thumb's end joint back.
 constexpr double kPressedThumb = 0.7;
@@ -22,6 +22,9 @@ constexpr double kPressedDip = 0.45;
 constexpr std::array<std::string_view, 5> kClosed = {"fist", "fist_thumb_beside", "loose_fist",
                                                      "small_cylinder", "thumb_up"};
 constexpr std::array<std::string_view, 5> kOpen = {"open", "spread", "flat", "relaxed", "flat_thumb_in"};
+/// Those whose thumb lies over bent fingers.
+constexpr std::array<std::string_view, 5> kThumbOver = {"fist", "loose_fist", "point", "little_up",
+                                                        "middle_up"};
 
 bool is_allowed(const HandPoseOptions& options, std::string_view name) {
   const auto holds = [&](const std::vector<std::string>& names) {
@@ -69,8 +72,8 @@ HandAngles between_gestures(const HandPoseOptions& options, Random& random) {
 
 /// The digit (0 thumb to 4 little, 5 the palm) that an angle belongs to.
 int digit_of(int angle) {
-  if (angle < kThumbAngles) return 0;
-  return 1 + (angle - kThumbAngles) / kAnglesPerFinger;
+  if (angle < kThumbAngleCount) return 0;
+  return 1 + (angle - kThumbAngleCount) / kAnglesPerFinger;
 }
 
 HandAngles with_digits(const std::array<HandAngles, 6>& digits) {
@@ -108,7 +111,7 @@ double within(HandAngle angle, double share) {
 HandAngles uniform_hand(Random& random) {
   constexpr double kOwnWay = 0.18;  ///< deviation of one finger from the others, in parts of the range
   HandAngles angles;
-  for (int i = 0; i < kThumbAngles; ++i) {
+  for (int i = 0; i < kThumbAngleCount; ++i) {
     const auto angle = static_cast<HandAngle>(i);
     angles[angle] = within(angle, random.uniform());
   }
@@ -163,9 +166,9 @@ HandAngles grasping_hand(Random& random) {
   return angles;
 }
 
-std::array<double, 6> shares_of(const HandPoseOptions& options) {
-  return {options.gesture_share, options.pair_share,  options.mixed_share,
-          options.closing_share, options.grasp_share, options.uniform_share};
+std::array<double, 7> shares_of(const HandPoseOptions& options) {
+  return {options.gesture_share, options.pair_share,    options.mixed_share, options.closing_share,
+          options.grasp_share,   options.uniform_share, options.touch_share};
 }
 
 HandAngles with_jitter(HandAngles angles, double jitter_deg, Random& random) {
@@ -173,8 +176,55 @@ HandAngles with_jitter(HandAngles angles, double jitter_deg, Random& random) {
   return angles;
 }
 
+/// A thumb drawn around that of a gesture.
+void set_thumb(HandAngles& hand, std::string_view gesture, double deviation_deg, Random& random) {
+  const HandAngles& thumb = gesture_from_name(gesture).angles;
+  for (int i = 0; i < kThumbAngleCount; ++i) {
+    hand.radians[i] = thumb.radians[i] + deviation_deg * kDegree * random.normal();
+  }
+}
+
+/// The thumb's tip meets that of a finger, most often the index finger: rings from narrow to flat, pinches,
+/// counting on fingers. The other fingers are open, or anything.
+HandAngles pinching_hand(const HandPoseOptions& options, Random& random) {
+  const bool is_open = random.uniform() < 0.5;
+  HandAngles hand =
+      with_jitter(is_open ? any_of(allowed_of(kOpen, options), random) : mixed_digits(options, random),
+                  options.jitter_deg, random);
+  const double which = random.uniform();
+  const int finger = which < 0.6 ? 0 : which < 0.8 ? 1 : which < 0.9 ? 2 : 3;
+  const FingerAngleNames names = angles_of_finger(finger);
+  hand[names.mcp] = random.uniform(10.0, 75.0) * kDegree;
+  hand[names.pip] = random.uniform(20.0, 105.0) * kDegree;
+  hand[names.dip] = random.uniform(0.3, 1.1) * coupled_dip(hand[names.pip]);
+  set_thumb(hand, "ok", 10.0, random);
+  return with_touching_thumb(hand, {.finger = finger,
+                                    .bone = 2,
+                                    .along = random.uniform(0.4, 1.0),
+                                    .distance_mm = random.uniform(11.0, 18.0)});
+}
+
+/// A thumb that lies across bent fingers, on the middle bone of one of them.
+HandAngles crossing_thumb(const HandPoseOptions& options, Random& random) {
+  constexpr double kBent = 60.0 * kDegree;
+  HandAngles hand = with_jitter(any_of(allowed_of(kThumbOver, options), random), options.jitter_deg, random);
+  int finger = static_cast<int>(random.below(3));
+  for (int tried = 0; tried < 3 && hand[angles_of_finger(finger).pip] < kBent; ++tried)
+    finger = (finger + 1) % 3;
+  set_thumb(hand, "fist", 10.0, random);
+  return with_touching_thumb(
+      hand,
+      {.finger = finger, .bone = 1, .along = random.uniform(), .distance_mm = random.uniform(14.0, 20.0)});
+}
+
+/// A thumb that touches a finger.
+HandAngles touching_hand(const HandPoseOptions& options, Random& random) {
+  constexpr double kPinches = 0.65;
+  return random.uniform() < kPinches ? pinching_hand(options, random) : crossing_thumb(options, random);
+}
+
 HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
-  const std::array<double, 6> shares = shares_of(options);
+  const std::array<double, 7> shares = shares_of(options);
   double left = random.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
   std::size_t kind = 0;
   while (kind + 1 < shares.size() && left >= shares[kind]) left -= shares[kind++];
@@ -189,8 +239,10 @@ HandAngles unlimited_hand(const HandPoseOptions& options, Random& random) {
       return with_jitter(closing_hand(options, random), options.jitter_deg, random);
     case 4:
       return grasping_hand(random);
-    default:
+    case 5:
       return uniform_hand(random);
+    default:
+      return touching_hand(options, random);
   }
 }
 
@@ -203,6 +255,7 @@ void HandPoseOptions::visit(OptionVisitor& visitor) {
   visitor.real("closing_share", closing_share, at_least(0));
   visitor.real("grasp_share", grasp_share, at_least(0));
   visitor.real("uniform_share", uniform_share, at_least(0));
+  visitor.real("touch_share", touch_share, at_least(0));
   visitor.real("jitter_deg", jitter_deg, closed(0, 45));
   visitor.real("penetration_mm", penetration_mm, at_least(0));
   visitor.texts("gestures", gestures, gesture_names());
@@ -215,15 +268,15 @@ std::vector<std::string_view> allowed_gestures(const HandPoseOptions& options) {
 
 void check(const HandPoseOptions& options, std::string_view what) {
   check_options(options, what);
-  const std::array<double, 6> shares = shares_of(options);
+  const std::array<double, 7> shares = shares_of(options);
   if (std::accumulate(shares.begin(), shares.end(), 0.0) <= 0.0) {
     fail(
-        "{}: all of gesture_share, pair_share, mixed_share, closing_share, grasp_share and uniform_share are "
-        "0; "
-        "expected one above 0",
+        "{}: all of gesture_share, pair_share, mixed_share, closing_share, grasp_share, uniform_share and "
+        "touch_share are 0; expected one above 0",
         what);
   }
-  const bool needs_gestures = options.gesture_share + options.pair_share + options.mixed_share > 0.0;
+  const bool needs_gestures =
+      options.gesture_share + options.pair_share + options.mixed_share + options.touch_share > 0.0;
   if (needs_gestures && allowed_gestures(options).empty()) {
     fail("{}: gestures and without_gestures leave none to draw from", what);
   }
@@ -231,6 +284,12 @@ void check(const HandPoseOptions& options, std::string_view what) {
       (allowed_of(kClosed, options).empty() || allowed_of(kOpen, options).empty())) {
     fail("{}: closing_share is {}, but gestures and without_gestures leave no closed or no open hand", what,
          options.closing_share);
+  }
+  if (options.touch_share > 0.0 &&
+      (allowed_of(kOpen, options).empty() || allowed_of(kThumbOver, options).empty())) {
+    fail(
+        "{}: touch_share is {}, but gestures and without_gestures leave no open hand or no thumb over a fist",
+        what, options.touch_share);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/synth/pose/gestures.h"
+#include "knuckle/synth/pose/touching_thumb.h"
 
 namespace knuckle {
 namespace {
@@ -67,12 +68,46 @@ TEST(HandSampler, DrawsOnlyTheGesturesThatAreLeft) {
   }
 }
 
+TEST(HandSampler, AThumbThatTouchesDoesSoInMostHands) {
+  const HandPoseOptions touching_only{.gesture_share = 0,
+                                      .pair_share = 0,
+                                      .mixed_share = 0,
+                                      .closing_share = 0,
+                                      .grasp_share = 0,
+                                      .uniform_share = 0,
+                                      .touch_share = 1};
+  Random random(7);
+  int touching = 0;
+  int with_index = 0;
+  for (int i = 0; i < 400; ++i) {
+    const HandAngles hand = sampled_hand(touching_only, random);
+    EXPECT_TRUE(within_limits(hand));
+    bool is_touching = false;
+    for (int finger = 0; finger < 4; ++finger) {
+      for (const int bone : {1, 2}) {
+        for (const double along : {0.1, 0.5, 0.9}) {
+          const double off = distance_from_contact_mm(hand, {finger, bone, along, 15.0});
+          is_touching = is_touching || off < 6.0;
+          if (finger == 0 && bone == 2 && along == 0.9) with_index += off < 8.0;
+        }
+      }
+    }
+    touching += is_touching;
+  }
+  EXPECT_GT(touching, 340);
+  EXPECT_GT(with_index, 100);
+  EXPECT_LT(with_index, 300);
+}
+
 TEST(HandSampler, RefusesGesturesThatLeaveNone) {
   HandPoseOptions options;
   options.gestures = {"rock"};
   EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("closing_share"));
   options.closing_share = 0;
   EXPECT_NO_THROW(check(options, "here"));
+  options.touch_share = 0.1;
+  EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("touch_share is 0.1"));
+  options.touch_share = 0;
   options.without_gestures = {"rock"};
   EXPECT_THAT(testing::error_of([&] { check(options, "here"); }), ::testing::HasSubstr("without_gestures"));
   options.gestures = {"wave"};
