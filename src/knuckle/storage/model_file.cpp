@@ -221,7 +221,7 @@ struct ModelFile::Content {
   Array array_of(const std::string& name, const Json& description, const ZipEntry& entry) const;
   const Json& value(std::string_view name) const;
   const Array& array(std::string_view name) const;
-  std::vector<std::uint8_t> bytes_of(const Array& array) const;
+  void read(const Array& array, std::span<std::uint8_t> bytes) const;
 };
 
 ModelFile::Content::Array ModelFile::Content::array_of(const std::string& name, const Json& description,
@@ -373,10 +373,14 @@ const std::vector<std::uint64_t>& ModelFile::shape(std::string_view name) const 
 }
 
 /// Its numbers as they lie in memory.
-std::vector<std::uint8_t> ModelFile::Content::bytes_of(const Array& array) const {
-  std::vector<std::uint8_t> content = content_of(array.entry, origin);
+void ModelFile::Content::read(const Array& array, std::span<std::uint8_t> bytes) const {
+  if (!array.is_shuffled) {
+    read_content(array.entry, bytes, origin);
+    return;
+  }
+  const std::vector<std::uint8_t> content = content_of(array.entry, origin);
   const std::size_t width = *bytes_per_number(array.type);
-  return array.is_shuffled ? transposed(content, width, content.size() / width) : content;
+  std::ranges::copy(transposed(content, width, content.size() / width), bytes.begin());
 }
 
 template <class T>
@@ -385,9 +389,9 @@ ModelArray<T> ModelFile::read(std::string_view name) const {
   if (array.type != kTypeName<T>) {
     fail("{}: {} has numbers of the type {}, expected {}", origin(), name, array.type, kTypeName<T>);
   }
-  const std::vector<std::uint8_t> bytes = content_->bytes_of(array);
-  ModelArray<T> result{array.shape, std::vector<T>(bytes.size() / sizeof(T))};
-  if (!bytes.empty()) std::memcpy(result.values.data(), bytes.data(), bytes.size());
+  ModelArray<T> result{array.shape, std::vector<T>(static_cast<std::size_t>(array.entry.size) / sizeof(T))};
+  content_->read(array,
+                 {reinterpret_cast<std::uint8_t*>(result.values.data()), sizeof(T) * result.values.size()});
   return result;
 }
 

@@ -222,13 +222,20 @@ ZipArchive parse_zip(std::span<const std::uint8_t> bytes, const std::string& ori
 
 std::vector<std::uint8_t> content_of(const ZipEntry& entry, const std::string& origin) {
   std::vector<std::uint8_t> content(static_cast<std::size_t>(entry.size));
+  read_content(entry, content, origin);
+  return content;
+}
+
+void read_content(const ZipEntry& entry, std::span<std::uint8_t> content, const std::string& origin) {
+  if (content.size() != entry.size) {
+    fail("{}: {} has {} bytes, expected {}", origin, entry.name, entry.size, content.size());
+  }
   if (!entry.is_deflated) {
     std::ranges::copy(entry.stored, content.begin());
   } else if (!inflate_raw(entry.stored, content)) {
     fail("{}: damaged: {} cannot be inflated to {} bytes", origin, entry.name, entry.size);
   }
   if (!is_sum(crc32(content), entry.crc)) fail("{}: damaged: the sum of {} is another", origin, entry.name);
-  return content;
 }
 
 std::vector<std::uint8_t> zip_of(std::span<const ZipContent> contents, std::string_view comment) {

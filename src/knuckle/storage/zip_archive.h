@@ -34,6 +34,10 @@ ZipArchive parse_zip(std::span<const std::uint8_t> bytes, const std::string& ori
 /// An entry's content, whose length and sum are checked. Throws an Error that starts with `origin`.
 std::vector<std::uint8_t> content_of(const ZipEntry& entry, const std::string& origin);
 
+/// The same into memory of the entry's size, without a copy in between. Throws an Error also where the sizes
+/// differ.
+void read_content(const ZipEntry& entry, std::span<std::uint8_t> content, const std::string& origin);
+
 /// Name and content of a file for a zip.
 struct ZipContent {
   std::string name;
