@@ -221,7 +221,7 @@ struct ModelFile::Content {
   Array array_of(const std::string& name, const Json& description, const ZipEntry& entry) const;
   const Json& value(std::string_view name) const;
   const Array& array(std::string_view name) const;
-  void read(const Array& array, std::span<std::uint8_t> bytes) const;
+  void read(const Array& array, std::span<std::uint8_t> numbers) const;
 };
 
 ModelFile::Content::Array ModelFile::Content::array_of(const std::string& name, const Json& description,
@@ -373,14 +373,14 @@ const std::vector<std::uint64_t>& ModelFile::shape(std::string_view name) const 
 }
 
 /// Its numbers as they lie in memory.
-void ModelFile::Content::read(const Array& array, std::span<std::uint8_t> bytes) const {
+void ModelFile::Content::read(const Array& array, std::span<std::uint8_t> numbers) const {
   if (!array.is_shuffled) {
-    read_content(array.entry, bytes, origin);
+    read_content(array.entry, numbers, origin);
     return;
   }
   const std::vector<std::uint8_t> content = content_of(array.entry, origin);
   const std::size_t width = *bytes_per_number(array.type);
-  std::ranges::copy(transposed(content, width, content.size() / width), bytes.begin());
+  std::ranges::copy(transposed(content, width, content.size() / width), numbers.begin());
 }
 
 template <class T>
