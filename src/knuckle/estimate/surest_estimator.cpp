@@ -2,12 +2,18 @@
 #include "knuckle/estimate/surest_estimator.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/patch/turned_patch.h"
 
 namespace knuckle {
 namespace {
+
+/// Quarter turns of the views after the first: upside down first, where most is to be gained.
+constexpr std::array<int, 3> kTurns = {2, 1, 3};
 
 double mean_confidence(const PatchPose& pose) {
   double sum = 0.0;
@@ -22,6 +28,7 @@ void SurestEstimatorOptions::visit(OptionVisitor& visitor) {
   visitor.integer("passes", passes, closed(1, 5));
   visitor.real("enough", enough, closed(0, 1));
   visitor.real("lead", lead, closed(0, 1));
+  visitor.integer("views", views, closed(1, 4));
 }
 
 SurestEstimator::SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimators,
@@ -51,20 +58,39 @@ double SurestEstimator::sure_confidence() const {
 }
 
 PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
-  PatchPose surest = estimators_.front()->estimate(patch);
-  double confidence = mean_confidence(surest);
-  for (std::size_t i = 1; i < estimators_.size() && confidence < options_.enough; ++i) {
-    PatchPose other = estimators_[i]->estimate(patch);
-    const double other_confidence = mean_confidence(other);
-    if (!other.right_hand) other.right_hand = surest.right_hand;
-    if (!surest.right_hand) surest.right_hand = other.right_hand;
-    if (!other.hand) other.hand = surest.hand;
-    if (!surest.hand) surest.hand = other.hand;
-    if (other_confidence <= confidence + options_.lead) continue;
-    surest = std::move(other);
-    confidence = other_confidence;
+  Choice choice;
+  consider_all(patch, choice);
+  for (const int quarters : std::span(kTurns).first(static_cast<std::size_t>(options_.views - 1))) {
+    if (choice.confidence >= options_.enough) break;
+    const HandPatch other = {turned(patch.pixels, quarters), patch.geometry, patch.camera};
+    Choice seen_so;
+    consider_all(other, seen_so);
+    for (PatchPoint& joint : seen_so.pose.joints) joint = turned(joint, 4 - quarters);
+    consider(std::move(seen_so.pose), seen_so.confidence, choice);
   }
-  return surest;
+  return std::move(choice.pose);
+}
+
+void SurestEstimator::consider_all(const HandPatch& patch, Choice& choice) const {
+  for (const auto& estimator : estimators_) {
+    if (choice.confidence >= options_.enough) break;
+    PatchPose pose = estimator->estimate(patch);
+    const double confidence = mean_confidence(pose);
+    consider(std::move(pose), confidence, choice);
+  }
+}
+
+void SurestEstimator::consider(PatchPose other, double confidence, Choice& choice) const {
+  if (choice.pose.joints.empty()) {
+    choice = {std::move(other), confidence};
+    return;
+  }
+  PatchPose& surest = choice.pose;
+  if (!other.right_hand) other.right_hand = surest.right_hand;
+  if (!surest.right_hand) surest.right_hand = other.right_hand;
+  if (!other.hand) other.hand = surest.hand;
+  if (!surest.hand) surest.hand = other.hand;
+  if (confidence > choice.confidence + options_.lead) choice = {std::move(other), confidence};
 }
 
 }  // namespace knuckle

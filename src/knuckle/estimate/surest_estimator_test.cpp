@@ -102,6 +102,55 @@ TEST(SurestEstimator, WhatAnEarlierOneToldIsKept) {
   EXPECT_EQ(pose.hand, 0.4);
 }
 
+/// Sure of hands whose first pixel is 1 alone, and sees all its joints at the same place of what it is shown.
+class KnowsOneWay final : public Estimator {
+ public:
+  KnowsOneWay(PatchPoint joint, int* asked)
+      : joint_(joint), asked_(asked), patches_({.size_px = 12, .mode = "cube"}) {}
+
+  Convention convention() const override { return convention_from_name("nyu14"); }
+  const PatchExtractor& patches() const override { return patches_; }
+  double sure_confidence() const override { return 0.3; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    ++*asked_;
+    return {std::vector<PatchPoint>(14, joint_), {patch.pixels(0, 0) == 1.0f ? 0.9f : 0.2f}};
+  }
+
+ private:
+  PatchPoint joint_;
+  int* asked_;
+  PatchExtractor patches_;
+};
+
+TEST(SurestEstimator, WhereNothingIsSureThePatchIsTurned) {
+  // The corner that the estimators know, and where a joint at (0.5, -0.25) of the turned patch lies in the
+  // patch.
+  struct Case {
+    int u, v;
+    double joint_u, joint_v;
+    int views;  // that are needed
+  };
+  for (const Case& known : {Case{0, 0, 0.5, -0.25, 1}, Case{11, 11, -0.5, 0.25, 2},
+                            Case{0, 11, -0.25, -0.5, 3}, Case{11, 0, 0.25, 0.5, 4}}) {
+    for (int views = 1; views <= 4; ++views) {
+      int asked = 0;
+      std::vector<std::unique_ptr<Estimator>> estimators;
+      for (int i = 0; i < 2; ++i)
+        estimators.push_back(std::make_unique<KnowsOneWay>(PatchPoint{0.5, -0.25, 0.1}, &asked));
+      const SurestEstimator surest(std::move(estimators), {.views = views});
+      HandPatch patch{Image<float>(12, 12), {}, {}};
+      patch.pixels(known.u, known.v) = 1.0f;
+      const PatchPose pose = surest.estimate(patch);
+      const bool is_found = views >= known.views;
+      EXPECT_EQ(pose.confidence[0], is_found ? 0.9f : 0.2f) << known.views << ' ' << views;
+      EXPECT_EQ(pose.joints[0].u, is_found ? known.joint_u : 0.5);
+      EXPECT_EQ(pose.joints[0].v, is_found ? known.joint_v : -0.25);
+      EXPECT_EQ(pose.joints[0].d, 0.1);
+      EXPECT_EQ(asked, is_found ? 2 * known.views - 1 : 2 * views) << "nobody is asked once it is sure";
+    }
+  }
+}
+
 TEST(SurestEstimator, WhatDoesNotBelongTogetherIsRefused) {
   const auto fault = [](std::unique_ptr<Estimator> other) {
     std::vector<std::unique_ptr<Estimator>> estimators;
@@ -133,6 +182,7 @@ TEST(SurestEstimator, IsMadeFromAFile) {
   EXPECT_THAT(fault(""), ::testing::AllOf(HasSubstr("p.toml"), HasSubstr("models")));
   EXPECT_THAT(fault("models = [\"a.pt\", \"none.pt\"]"), HasSubstr("none.pt"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nlead = 2"), HasSubstr("lead"));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nviews = 5"), HasSubstr("views"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nmodel = \"a.pt\""), HasSubstr("model"));
 }
 
