@@ -75,6 +75,7 @@ export class Views {
     this.cloud?.reset(this.#shown.header, this.#shown.images);
   }
 
+  /** The canvas' name, for a screen reader, begins with the kind that it shows. */
   setKind(kind: ImageKind): void {
     this.image.kind = kind;
     const name = this.imageCanvas.getAttribute("aria-label") ?? "";
