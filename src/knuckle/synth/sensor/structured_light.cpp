@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,50 +13,58 @@ namespace {
 /// Points of one surface that fall into the same column differ by less than this in disparity [px].
 constexpr float kSameSurface = 2.0f;
 
-/// What the projector sees of one row: the largest disparity (the nearest point) in each of its columns.
+/// What the projector sees of a row: the largest disparity (the nearest point) in each of its columns.
 class ProjectorRow {
  public:
   /// Depth z is seen from the projector's side displaced by `focal_baseline` / z columns to the left.
-  ProjectorRow(std::span<const float> depths, float focal_baseline, float jump_mm)
-      : depths_(depths), focal_baseline_(focal_baseline), disparities_(depths.size()) {
+  ProjectorRow(float focal_baseline, float jump_mm) : focal_baseline_(focal_baseline), jump_mm_(jump_mm) {}
+
+  /// Sees another row; memory is that of the row before.
+  void see(std::span<const float> depths) {
+    depths_ = depths;
+    disparities_.resize(depths.size());
+    columns_.resize(depths.size());
     float largest = 0.0f;
     for (std::size_t i = 0; i < depths.size(); ++i) {
-      disparities_[i] = depths[i] == 0.0f ? 0.0f : std::abs(focal_baseline) / depths[i];
+      disparities_[i] = depths[i] == 0.0f ? 0.0f : std::abs(focal_baseline_) / depths[i];
       largest = std::max(largest, disparities_[i]);
     }
-    origin_ = focal_baseline > 0.0f ? std::ceil(largest) : 0.0f;
     nearest_.assign(depths.size() + static_cast<std::size_t>(std::ceil(largest)) + 2, 0.0f);
+    const float origin = focal_baseline_ > 0.0f ? std::ceil(largest) : 0.0f;
     for (std::size_t i = 0; i < depths.size(); ++i) {
-      if (depths[i] != 0.0f) draw(i, jump_mm);
+      const float displacement = focal_baseline_ > 0.0f ? -disparities_[i] : disparities_[i];
+      columns_[i] = static_cast<std::int32_t>(std::nearbyint(static_cast<float>(i) + displacement + origin));
+    }
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      if (depths[i] != 0.0f) draw(i);
     }
   }
 
-  bool is_shadowed(std::size_t i) const { return nearest_[column_of(i)] > disparities_[i] + kSameSurface; }
+  bool is_shadowed(std::size_t i) const { return nearest_at(columns_[i]) > disparities_[i] + kSameSurface; }
 
  private:
-  std::size_t column_of(std::size_t i) const {
-    const float displacement = focal_baseline_ > 0.0f ? -disparities_[i] : disparities_[i];
-    return static_cast<std::size_t>(std::nearbyint(static_cast<float>(i) + displacement + origin_));
-  }
+  float& nearest_at(std::int32_t column) { return nearest_[static_cast<std::size_t>(column)]; }
+  float nearest_at(std::int32_t column) const { return nearest_[static_cast<std::size_t>(column)]; }
 
   /// Draws point i, and what lies between it and the next one where both are one surface.
-  void draw(std::size_t i, float jump_mm) {
-    const std::size_t own = column_of(i);
-    nearest_[own] = std::max(nearest_[own], disparities_[i]);
+  void draw(std::size_t i) {
+    const std::int32_t own = columns_[i];
+    nearest_at(own) = std::max(nearest_at(own), disparities_[i]);
     const bool goes_on =
-        i + 1 < depths_.size() && depths_[i + 1] != 0.0f && std::abs(depths_[i + 1] - depths_[i]) <= jump_mm;
+        i + 1 < depths_.size() && depths_[i + 1] != 0.0f && std::abs(depths_[i + 1] - depths_[i]) <= jump_mm_;
     if (!goes_on) return;
-    const std::size_t next = column_of(i + 1);
+    const std::int32_t next = columns_[i + 1];
     const float farther = std::min(disparities_[i], disparities_[i + 1]);
-    for (std::size_t column = std::min(own, next) + 1; column < std::max(own, next); ++column) {
-      nearest_[column] = std::max(nearest_[column], farther);
+    for (std::int32_t column = std::min(own, next) + 1; column < std::max(own, next); ++column) {
+      nearest_at(column) = std::max(nearest_at(column), farther);
     }
   }
 
-  std::span<const float> depths_;
   float focal_baseline_;
-  float origin_ = 0.0f;
+  float jump_mm_;
+  std::span<const float> depths_;
   std::vector<float> disparities_;
+  std::vector<std::int32_t> columns_;  ///< of the projector, in which each point is seen
   std::vector<float> nearest_;
 };
 
@@ -71,11 +80,12 @@ Image<float> without_shadows(Image<float> depth_mm, const Camera& camera,
                              const StructuredLightOptions& options, double jump_mm) {
   if (options.baseline_mm == 0.0 || !options.shadows) return depth_mm;
   const auto focal_baseline = static_cast<float>(camera.fx * options.baseline_mm);
+  ProjectorRow projector(focal_baseline, static_cast<float>(jump_mm));
   std::vector<std::size_t> dark;
   for (int row = 0; row < depth_mm.height(); ++row) {
     const std::span<float> depths = depth_mm.row(row);
     if (std::ranges::all_of(depths, [](float depth) { return depth == 0.0f; })) continue;
-    const ProjectorRow projector(depths, focal_baseline, static_cast<float>(jump_mm));
+    projector.see(depths);
     dark.clear();
     for (std::size_t i = 0; i < depths.size(); ++i) {
       if (depths[i] != 0.0f && projector.is_shadowed(i)) dark.push_back(i);
