@@ -10,7 +10,7 @@ const out = process.argv[2] ?? join(here, "dist");
 
 await esbuild.build({
   absWorkingDir: here,
-  entryPoints: { app: "src/main.ts", annotate: "src/annotate.ts" },
+  entryPoints: { app: "src/live.ts", annotate: "src/annotate.ts" },
   splitting: true,  // what both pages share is in one file
   chunkNames: "shared",
   outdir: out,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A curve of the last seconds on a small canvas.
+import { fitCanvas } from "./fit_canvas.ts";
 
 const kMostSamples = 2048;
 
@@ -72,13 +73,8 @@ export interface Curve {
 
 /** Draws curves over the last 20 seconds, with a line at each `grid` from 0 on. Returns the upper end of the scale. */
 export function drawChart(canvas: HTMLCanvasElement, now_ms: number, curves: Curve[], gridColour: string, textColour: string, least: number): number {
-  const ratio = Math.min(window.devicePixelRatio, 2);
-  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  if (canvas.width !== width || canvas.height !== height) {
-    canvas.width = width;
-    canvas.height = height;
-  }
+  const ratio = fitCanvas(canvas);
+  const { width, height } = canvas;
   const context = canvas.getContext("2d")!;
   const top = upperEnd(curves, now_ms, least);
   context.clearRect(0, 0, width, height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the page that need no browser: ranges, colours, history, rates.
+// Parts of the pages that need no browser: ranges, colours, history, rates, what changes of labels ask for.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { dirname, join } from "node:path";
@@ -17,6 +17,8 @@ async function load(name) {
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 }
 
+const { AnnotateChanges } = await load("annotate_changes");
+const { AnnotateState } = await load("annotate_state");
 const { DepthRange, roundTicks } = await load("depth_range");
 const { depthPalette, handColours, srgbOfOklch } = await load("palette");
 const { History } = await load("history");
@@ -150,4 +152,70 @@ test("a changed budget is said once", () => {
   let changes = 0;
   for (let i = 0; i < 24; ++i) changes += budget.tick(100 * i) ? 1 : 0;
   assert.deepEqual([changes, budget.points], [2, 20_000]);
+});
+
+/** A right hand with a wrist at [30, -40, 500] mm and its labels, and changes that wait until they are made by hand. */
+function makeLabelled(camera = { model: "projective", fx: 400, fy: 500 }) {
+  const state = new AnnotateState();
+  const wrist = { state: "estimated", visible: true };
+  state.frame = 7;
+  state.header = { camera, record: { frame: 7, hands: [{ side: "right", landmarks_mm: { wrist: [30, -40, 500] } }] } };
+  state.labels = [{ side: "right", revision: 3, landmarks: { wrist } }];
+  const waiting = [];
+  const changes = new AnnotateChanges({ state, queue: { add: (make) => waiting.push(make) } });
+  return { state, changes, turn: () => waiting.shift()() };
+}
+
+test("a change is made on the labels as they stand when its turn comes", () => {
+  const { state, changes, turn } = makeLabelled();
+  changes.free();
+  changes.toggleVisible();
+  state.labels[0].revision = 4;
+  state.labels[0].landmarks.wrist.visible = false;
+  assert.deepEqual(turn(), { act: "free", frame: 7, side: "right", landmark: "wrist", revision: 4, model: true });
+  assert.deepEqual(turn(), { act: "look", frame: 7, side: "right", landmark: "wrist", revision: 4, model: true, visible: true });
+});
+
+test("a change of a landmark is of the one that was chosen then, and of none that the hand lacks", () => {
+  const { state, changes, turn } = makeLabelled();
+  changes.nudge(1, 0, 0);
+  state.choose("thumb_tip");
+  state.chooseSide("left");
+  changes.nudge(1, 0, 0);
+  changes.toggleVisible();
+  const { landmark, side } = turn();
+  assert.deepEqual([landmark, side], ["wrist", "right"]);
+  assert.equal(turn(), null);
+  assert.equal(turn(), null);
+  assert.equal(state.hand, null);
+  assert.equal(state.revision, 0, "the left hand has no labels yet");
+});
+
+test("a fine step moves by pixels across the image, and along the line of sight without leaving its pixel", () => {
+  const { changes, turn } = makeLabelled();
+  const pixel = ([x, y, z]) => [(400 * x) / z, (500 * y) / z];
+  const near = (found, wanted) => wanted.forEach((value, i) => assert.ok(Math.abs(found[i] - value) < 1e-9, `${found} is not ${wanted}`));
+  changes.nudge(0.5, -4, 0);
+  changes.nudge(0, 0, 5);
+  const across = turn().point_mm;
+  near(pixel(across), [24 + 0.5, -40 - 4]);
+  assert.equal(across[2], 500);
+  const away = turn().point_mm;
+  near(pixel(away), [24, -40]);
+  assert.equal(away[2], 505);
+  const flat = makeLabelled({ model: "orthographic", fx: 2, fy: 4 });
+  flat.changes.nudge(1, 1, 5);
+  near(flat.turn().point_mm, [30.5, -39.75, 505]);
+});
+
+test("the landmark beside the last is the first", () => {
+  const { state } = makeLabelled();
+  state.chooseBeside(1);
+  assert.equal(state.landmark, "wrist", "as long as no names are known");
+  state.info = { landmarks: ["wrist", "palm", "thumb_tip"] };
+  const passed = [-1, 1, 1].map((by) => {
+    state.chooseBeside(by);
+    return state.landmark;
+  });
+  assert.deepEqual(passed, ["thumb_tip", "wrist", "palm"]);
 });

@@ -164,6 +164,14 @@ std::vector<FollowedScore> score_record_files(const EvaluateArguments& arguments
   return scores;
 }
 
+void print_hidden(const FollowedScore& score) {
+  const OcclusionScore& visible = score.occlusion.front();
+  const OcclusionScore hidden = hidden_of(score.occlusion);
+  if (visible.joints + hidden.joints == 0) return;
+  fmt::print("{}: {} visible landmarks {:.1f} mm off on average, {} hidden ones {:.1f} mm\n", score.name,
+             visible.joints, visible.mean_3d_mm, hidden.joints, hidden.mean_3d_mm);
+}
+
 void print_scores(const std::vector<FollowedScore>& scores) {
   fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9}\n", "records", "hands", "found",
              "right side", "invented", "switches", "losses", "longest loss", "mean mm");
@@ -172,6 +180,7 @@ void print_scores(const std::vector<FollowedScore>& scores) {
                score.found, score.right_side, score.invented, score.switches, score.losses,
                score.longest_loss, score.mean_3d_mm);
   }
+  for (const FollowedScore& score : scores) print_hidden(score);
   for (const FollowedScore& score : scores) {
     if (score.reliability.joints == 0) continue;
     fmt::print("{}: confidences differ from the share of joints within {:.0f} mm by {:.1f} % on average\n",

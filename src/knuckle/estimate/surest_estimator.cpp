@@ -59,28 +59,22 @@ double SurestEstimator::sure_confidence() const {
 
 PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
   Choice choice;
-  consider_all(patch, choice);
+  for (const auto& estimator : estimators_) {
+    if (choice.confidence >= options_.enough) break;
+    consider(estimator->estimate(patch), choice);
+  }
   for (const int quarters : std::span(kTurns).first(static_cast<std::size_t>(options_.views - 1))) {
     if (choice.confidence >= options_.enough) break;
-    const HandPatch other = {turned(patch.pixels, quarters), patch.geometry, patch.camera};
-    Choice seen_so;
-    consider_all(other, seen_so);
-    for (PatchPoint& joint : seen_so.pose.joints) joint = turned(joint, 4 - quarters);
-    consider(std::move(seen_so.pose), seen_so.confidence, choice);
+    PatchPose pose =
+        estimators_.back()->estimate({turned(patch.pixels, quarters), patch.geometry, patch.camera});
+    for (PatchPoint& joint : pose.joints) joint = turned(joint, 4 - quarters);
+    consider(std::move(pose), choice);
   }
   return std::move(choice.pose);
 }
 
-void SurestEstimator::consider_all(const HandPatch& patch, Choice& choice) const {
-  for (const auto& estimator : estimators_) {
-    if (choice.confidence >= options_.enough) break;
-    PatchPose pose = estimator->estimate(patch);
-    const double confidence = mean_confidence(pose);
-    consider(std::move(pose), confidence, choice);
-  }
-}
-
-void SurestEstimator::consider(PatchPose other, double confidence, Choice& choice) const {
+void SurestEstimator::consider(PatchPose other, Choice& choice) const {
+  const double confidence = mean_confidence(other);
   if (choice.pose.joints.empty()) {
     choice = {std::move(other), confidence};
     return;

@@ -17,8 +17,9 @@ struct SurestEstimatorOptions {
   int passes = 2;        ///< looks at each hand, [1, 5]
   double enough = 0.65;  ///< a pose of such a mean confidence is taken without asking the others, [0, 1]
   double lead = 0.05;    ///< by how much a later one has to be surer, [0, 1]
-  int views = 1;  ///< where nothing is sure enough, the patch is looked at turned as well: 2 upside down, 3
-                  ///< and 4 also by a quarter
+  /// Looks of the last one at a patch of which nobody is sure enough, [1, 4]: the second upside down, the
+  /// third and fourth by a quarter turn.
+  int views = 1;
 
   void visit(OptionVisitor& visitor);
 };
@@ -26,8 +27,8 @@ struct SurestEstimatorOptions {
 /// Several estimators for one hand: each knows what it has learned, and its confidences say what it has not.
 /// The first, which is asked always, may know free hands very well; where it is not sure, the next is asked,
 /// which knows hands among things, and the pose with the highest mean confidence counts. Where none is sure,
-/// the patch may be turned in its plane (`views`): what an estimator has learned of hands that point up helps
-/// with those that point down.
+/// the last may be shown the patch turned in its plane (`views`): what it has learned of hands that point up
+/// helps with those that point down.
 class SurestEstimator final : public Estimator {
  public:
   /// Throws an Error where there are fewer than two estimators, they differ in patches or convention, or one
@@ -48,8 +49,7 @@ class SurestEstimator final : public Estimator {
     double confidence = 0.0;
   };
 
-  void consider_all(const HandPatch& patch, Choice& choice) const;
-  void consider(PatchPose other, double confidence, Choice& choice) const;
+  void consider(PatchPose other, Choice& choice) const;
 
   std::vector<std::unique_ptr<Estimator>> estimators_;
   SurestEstimatorOptions options_;

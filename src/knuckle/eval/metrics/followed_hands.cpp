@@ -98,11 +98,13 @@ class FollowedCount {
         if (counts) ++hands_[keys[i]].lost;
       } else {
         see(hands_[keys[i]], truth.hands[i], record.hands[match->estimate], counts ? &*match : nullptr);
+        if (counts) add_landmarks(truth.hands[i], record.hands[match->estimate], convention);
       }
     }
   }
 
   double mean_3d_mm() const { return error_mm_.count > 0 ? error_mm_.value() : kNaN; }
+  OcclusionScores occlusion() const { return occlusion_.scores(); }
 
  private:
   void see(FollowedHand& hand, const TrueHand& truth, const HandRecord& estimate, const Match* counted) {
@@ -119,8 +121,13 @@ class FollowedCount {
     error_mm_.add(counted->comparison.error_mm.value());
   }
 
+  void add_landmarks(const TrueHand& truth, const HandRecord& estimate, const Convention& convention) {
+    occlusion_.add(truth, estimate, map_convention(estimate.convention, convention).source_index);
+  }
+
   FollowedScore& score_;
   RunningMean error_mm_;
+  OcclusionCount occlusion_;
   std::map<HandKey, FollowedHand> hands_;
   int sequence_ = 0;
 };
@@ -151,6 +158,7 @@ FollowedScore followed_score(const std::string& name, const Convention& conventi
   FollowedCount count(score);
   for (std::size_t i = 0; i < truth.size(); ++i) count.add(truth[i], records[i], convention);
   score.mean_3d_mm = count.mean_3d_mm();
+  score.occlusion = count.occlusion();
   score.reliability = reliability_of(convention, truth, records);
   return score;
 }
@@ -163,12 +171,13 @@ std::vector<TrueHands> true_hands(const FrameSource& source) {
     const Projection projection(frame.camera);
     TrueHands& truth = all[static_cast<std::size_t>(i)];
     truth.sequence = frame.sequence;
-    const auto add = [&](HandSide side, const HandPose& pose, double visible_share) {
-      const double share = is_in_image(pose, frame.camera) ? visible_share : 0.0;
-      truth.hands.push_back({side, in_camera(pose, projection), share});
+    const auto add = [&](const HandTruth& hand) {
+      const double share = is_in_image(hand.pose, frame.camera) ? hand.visible_share : 0.0;
+      truth.hands.push_back({hand.side, in_camera(hand.pose, projection), share, hand.occluders});
     };
-    for (const HandTruth& hand : frame.hands) add(hand.side, hand.pose, hand.visible_share);
-    if (frame.hands.empty() && frame.truth) add(frame.side.value_or(HandSide::right), *frame.truth, 1.0);
+    for (const HandTruth& hand : frame.hands) add(hand);
+    if (frame.hands.empty() && frame.truth)
+      add({frame.side.value_or(HandSide::right), *frame.truth, {}, 1.0});
     std::erase_if(truth.hands, [](const TrueHand& hand) {
       return std::ranges::none_of(hand.landmarks_mm, [](const Point3& point) { return point.allFinite(); });
     });

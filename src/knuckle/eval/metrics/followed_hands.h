@@ -11,6 +11,7 @@
 #include "knuckle/core/landmarks.h"
 #include "knuckle/data/frame_record.h"
 #include "knuckle/data/frame_source.h"
+#include "knuckle/eval/metrics/occlusion_score.h"
 #include "knuckle/eval/metrics/reliability.h"
 #include "knuckle/eval/metrics/true_hands.h"
 
@@ -30,6 +31,7 @@ struct FollowedScore {
   std::int64_t losses = 0;        ///< times that a hand was not found for some frames, and then was
   std::int64_t longest_loss = 0;  ///< of those [frames]
   double mean_3d_mm = kNaN;       ///< over the found ones and their landmarks; NaN where there is none
+  OcclusionScores occlusion;      ///< the same landmarks by what lies before them, where the truth knows it
   Reliability reliability;        ///< of the joints' confidences
 };
 

@@ -50,6 +50,21 @@ FollowedScore score_of(const std::vector<TrueHands>& truth, const std::vector<Fr
   return followed_score("made up", convention(), truth, records);
 }
 
+TEST(FollowedHands, LandmarksCountByWhatLiesBeforeThemInTheHandsThatHadToBeFound) {
+  TrueHand seen = hand_at(HandSide::right, kHere);
+  seen.occluders.assign(seen.landmarks_mm.size(), Occluder::none);
+  seen.occluders[4] = Occluder::object;
+  TrueHand hardly = hand_at(HandSide::left, kThere, 0.1);
+  hardly.occluders.assign(hardly.landmarks_mm.size(), Occluder::person);
+  const FollowedScore score =
+      score_of({{0, {seen, hardly}}}, {record_of({found_at(1, HandSide::right, kHere + Point3(0, 3, 0)),
+                                                  found_at(2, HandSide::left, kThere)})});
+  EXPECT_EQ(score.occlusion[0].joints, 19);
+  EXPECT_NEAR(score.occlusion[0].mean_3d_mm, 3.0, 1e-12);
+  EXPECT_EQ(score.occlusion[static_cast<std::size_t>(Occluder::object)].joints, 1);
+  EXPECT_EQ(score.occlusion[static_cast<std::size_t>(Occluder::person)].joints, 0) << "it need not be found";
+}
+
 TEST(FollowedHands, EachIsFoundWithItsOwnSide) {
   const std::vector<TrueHands> truth(4,
                                      {0, {hand_at(HandSide::right, kHere), hand_at(HandSide::left, kThere)}});

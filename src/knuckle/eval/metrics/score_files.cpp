@@ -79,6 +79,20 @@ ordered_json reliability_json(const Reliability& reliability) {
   return {{"joints", reliability.joints}, {"error", reliability.error}, {"bins", bins}};
 }
 
+/// Of what lies before at least one landmark.
+ordered_json occlusion_json(const OcclusionScores& scores) {
+  ordered_json all = ordered_json::object();
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const OcclusionScore& score = scores[i];
+    if (score.joints == 0) continue;
+    all[name_of(static_cast<Occluder>(i))] = {{"joints", score.joints},
+                                              {"mean_3d_mm", score.mean_3d_mm},
+                                              {"within_20mm", score.within},
+                                              {"confidence", score.confidence}};
+  }
+  return all;
+}
+
 ordered_json followed_json(const FollowedScore& score) {
   return {{"name", score.name},
           {"frames", score.frames},
@@ -90,6 +104,7 @@ ordered_json followed_json(const FollowedScore& score) {
           {"losses", score.losses},
           {"longest_loss", score.longest_loss},
           {"mean_3d_mm", score.mean_3d_mm},
+          {"occluders", occlusion_json(score.occlusion)},
           {"reliability", reliability_json(score.reliability)}};
 }
 

@@ -263,6 +263,8 @@ std::string followed_section(const std::vector<FollowedScore>& scores,
   const auto found = [&](const FollowedScore& score) { return share(score.found, score.hands); };
   const auto sided = [&](const FollowedScore& score) { return share(score.right_side, score.found); };
   const auto off = [](const FollowedScore& score) { return 100.0 * score.reliability.error; };
+  const auto visible = [](const FollowedScore& score) { return score.occlusion.front().mean_3d_mm; };
+  const auto hidden = [](const FollowedScore& score) { return hidden_of(score.occlusion).mean_3d_mm; };
   return "<h2>Hands that were followed</h2>\n" +
          number_table(
              "method", method_heads(scores),
@@ -274,6 +276,8 @@ std::string followed_section(const std::vector<FollowedScore>& scores,
               column("times lost", scores, &FollowedScore::losses, 0, Better::lower),
               column("longest loss<br>(frames)", scores, &FollowedScore::longest_loss, 0, Better::lower),
               column("mean 3D of<br>those found (mm)", scores, &FollowedScore::mean_3d_mm, 2, Better::lower),
+              column("visible<br>landmarks (mm)", scores, visible, 2, Better::lower),
+              column("hidden<br>landmarks (mm)", scores, hidden, 2, Better::lower),
               column("confidences<br>off by (%)", scores, off, 1, Better::lower)}) +
          fmt::format("<p>A hand of which less than {:.0f} % is seen need not be found.</p>\n",
                      100.0 * kLeastVisible) +

@@ -133,6 +133,18 @@ TEST_F(ReportTest, HowFarConfidencesAreTrueIsDrawnWhereThereAreAny) {
   EXPECT_NEAR(figure.series[1].values[7], 75.0, 1e-9);
 }
 
+TEST_F(ReportTest, VisibleAndHiddenLandmarksStandApart) {
+  FollowedScore score;
+  score.name = "sure";
+  score.occlusion[static_cast<std::size_t>(Occluder::none)] = {300, 7.25, 0.9, 0.8};
+  score.occlusion[static_cast<std::size_t>(Occluder::object)] = {100, 21.75, 0.5, 0.4};
+  report_.followed = {score};
+  EXPECT_THAT(page(), ::testing::AllOf(HasSubstr(">7.25<"), HasSubstr(">21.75<")));
+  const std::string json = read_text_file(folder_ / "metrics.json");
+  EXPECT_THAT(json, HasSubstr("\"object\": {\n          \"joints\": 100,\n          \"mean_3d_mm\": 21.75"));
+  EXPECT_THAT(json, Not(HasSubstr("\"border\"")));
+}
+
 TEST_F(ReportTest, WithoutTruthThereIsAGallery) {
   const FakeSource source;
   Report report;
