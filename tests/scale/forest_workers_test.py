@@ -6,16 +6,14 @@ which one of them is missing, lost or different ends all with one line.
     forest_workers_test.py CASE PROGRAM
 """
 import os
-import pathlib
-import resource
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
-from workers_test import LONGEST_S, PROJECT, SKIPPED, Place, ended, failed_with, free_port, met, succeeded
+from training_testing import LONGEST_S, PROJECT, ended, failed_with, run_case, succeeded
+from workers_testing import SKIPPED, WorkersPlace, free_port, met
 
 KINDS = ("pose-forest", "segmentation-forest")
 CONFIG = {
@@ -42,7 +40,7 @@ min_leaf_samples = 2
 }
 
 
-class ForestPlace(Place):
+class ForestPlace(WorkersPlace):
     """A folder with configurations of forests, and the program that trains from them."""
 
     def forest(self, kind, out, workers, *more, trees=2, frames=40, splits=60, config="train.toml"):
@@ -141,9 +139,7 @@ def bad_source(place):
 def full_disk(place):
     for kind in KINDS:
         command = place.forest(kind, "f.model", 2, trees=60, splits=20)
-        limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                   restore_signals=False,  # a write beyond the limit fails, as on a full disk
-                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))
+        limited = place.start(command, longest_file=3000)
         failed_with(limited, "f.model")
         place.assert_all_end()
 
@@ -171,14 +167,5 @@ def slurm(place):
         assert place.bytes_of(f"{kind}.one") == place.bytes_of(f"{kind}.two"), kind
 
 
-CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, bad_source, full_disk, slurm)}
-
-
-def main():
-    case, program = sys.argv[1:]
-    with tempfile.TemporaryDirectory() as name:
-        CASES[case](ForestPlace(pathlib.Path(program).resolve(), pathlib.Path(name)))
-
-
 if __name__ == "__main__":
-    main()
+    run_case(ForestPlace, same_bytes, resumed, lost_worker, missing_worker, other_options, bad_source, full_disk, slurm)

@@ -5,17 +5,10 @@ and each way in which what is read is damaged or there is no room for it ends wi
 
     streaming_test.py CASE PROGRAM
 """
-import os
-import pathlib
-import resource
 import signal
-import subprocess
-import sys
-import tempfile
-import time
 
-PROJECT = pathlib.Path(__file__).resolve().parents[2]
-LONGEST_S = 500
+from training_testing import SMALL_NETWORK, Place, ended, failed_with, run_case, succeeded
+
 FRAMES = 2100  # two whole blocks, and one of what is left
 MANIFEST = """
 seed = 3
@@ -48,14 +41,7 @@ centre = 'joints'
 stream = {stream}
 stream_window = {window}
 memory_gb = {memory_gb}
-[network]
-convention = 'icg20'
-architecture = 'dense'
-stem_channels = 4
-quarter_channels = 8
-eighth_channels = 8
-sixteenth_channels = 8
-head_channels = 8
+""" + SMALL_NETWORK + """
 [training]
 epochs = {epochs}
 batch_size = 24
@@ -64,12 +50,11 @@ validate_every = 20
 """
 
 
-class Place:
-    """A folder with configurations, and the program that trains from them."""
+class StreamingPlace(Place):
+    """A place with a manifest of small images."""
 
     def __init__(self, program, folder):
-        self.program = program
-        self.folder = folder
+        super().__init__(program, folder)
         (folder / "small.toml").write_text(MANIFEST)
 
     def command(self, out, *more, cache="cache", frames=FRAMES, stream="true", window=1100, memory_gb=0.001, epochs=1.5):
@@ -79,38 +64,11 @@ class Place:
         cached = ["--cache", self.folder / cache] if cache else []
         return [self.program, "train", "network", "--config", config, "--out", self.folder / out, *cached, *map(str, more)]
 
-    def start(self, command, **more):
-        return subprocess.Popen(command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
-
     def train(self, *arguments, **options):
-        status, out, _, errors = ended(self.start(self.command(*arguments, **options)))
-        assert status == 0, errors
-        return out
+        return succeeded(self.start(self.command(*arguments, **options)))
 
     def blocks(self):
         return sorted((self.folder / "cache").glob("samples_*/block_*.h5"))
-
-    def bytes_of(self, out):
-        return (self.folder / out).read_bytes()
-
-
-def ended(process):
-    out, errors = process.communicate(timeout=LONGEST_S)
-    return process.returncode, out, [line for line in errors.splitlines() if line.startswith("knuckle:")], errors
-
-
-def failed_with(process, *parts):
-    status, _, lines, errors = ended(process)
-    assert status == 1 and len(lines) == 1, (status, errors)
-    assert all(part in lines[0] for part in parts), (parts, lines)
-
-
-def wait_for(path, process):
-    end = time.monotonic() + LONGEST_S
-    while not path.exists():
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end, f"no {path}"
-        time.sleep(0.01)
 
 
 def same_bytes(place):
@@ -132,7 +90,7 @@ def resumed(place):
     place.train("whole.pt")
     for workers in (1, 2):
         process = place.start(place.command("parts.pt"))
-        wait_for(place.folder / "parts.pt.checkpoint", process)
+        place.wait_for_checkpoint("parts.pt", process)
         process.kill()
         assert ended(process)[0] == -signal.SIGKILL, "faster than its killer"
         place.train("parts.pt", "--resume", "--workers", workers)
@@ -144,7 +102,7 @@ def resumed(place):
         for block in place.blocks():
             block.unlink()
         process = place.start(place.command("again.pt"))
-        wait_for(folder / "block_000000.h5", process)
+        place.wait_for(folder / "block_000000.h5", process)
         process.send_signal(sent)
         assert ended(process)[0] == status, "faster than its killer"
         written = (folder / "block_000000.h5").stat().st_mtime_ns
@@ -169,34 +127,23 @@ def damaged(place):
     place.train("net.pt")
     # Interrupted, and a block taken away, while it is read.
     process = place.start(place.command("long.pt", epochs=400))
-    wait_for(place.folder / "long.pt.checkpoint", process)
+    place.wait_for_checkpoint("long.pt", process)
     process.send_signal(signal.SIGINT)
     failed_with(process, "interrupted after", "--resume")
     process = place.start(place.command("lost.pt", epochs=400))
-    wait_for(place.folder / "lost.pt.checkpoint", process)
+    place.wait_for_checkpoint("lost.pt", process)
     for block in place.blocks():
         block.unlink()
     failed_with(process, "block_", "missing")
 
 
 def full_disk(place):
-    limited = place.start(place.command("net.pt"), restore_signals=False,  # a write beyond the limit fails, as on a full disk
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000)))
+    limited = place.start(place.command("net.pt"), longest_file=60000)
     failed_with(limited, "block_000000", "is the disk full")
     assert not place.blocks() and not (place.folder / "net.pt").exists()
     failed_with(place.start(place.command("net.pt", stream="false")), "memory_gb", "stream = true")
     failed_with(place.start(place.command("net.pt", memory_gb=0.0001)), "memory_gb", "two batches")
 
 
-CASES = {case.__name__: case for case in (same_bytes, resumed, damaged, full_disk)}
-
-
-def main():
-    case, program = sys.argv[1:]
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it, and hand that on
-    with tempfile.TemporaryDirectory() as name:
-        CASES[case](Place(pathlib.Path(program).resolve(), pathlib.Path(name)))
-
-
 if __name__ == "__main__":
-    main()
+    run_case(StreamingPlace, same_bytes, resumed, damaged, full_disk)

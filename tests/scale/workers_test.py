@@ -6,20 +6,16 @@ way in which one of them is missing, lost or different ends all with one line.
     workers_test.py CASE PROGRAM
 """
 import os
-import pathlib
-import resource
 import shutil
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 
-SKIPPED = 77
-PROJECT = pathlib.Path(__file__).resolve().parents[2]
-LONGEST_S = 300
-VARIABLES = ("RANK", "WORLD_SIZE", "MASTER_ADDR", "MASTER_PORT", "SLURM_STEP_NUM_TASKS", "SLURM_PROCID")
+from training_testing import LONGEST_S, PROJECT, SMALL_NETWORK, ended, failed_with, run_case, succeeded
+from workers_testing import SKIPPED, WorkersPlace, free_port, met
+
 CONFIG = """
 source = 'synthetic:{manifest}?count=12'
 validation = 'synthetic:{manifest}?first=12&count=4'
@@ -29,14 +25,7 @@ mode = 'cube'
 size_px = 32
 [samples]
 crop_px = 48
-[network]
-convention = 'icg20'
-architecture = 'dense'
-stem_channels = 4
-quarter_channels = 8
-eighth_channels = 8
-sixteenth_channels = 8
-head_channels = 8
+""" + SMALL_NETWORK + """
 [training]
 epochs = {epochs}
 batch_size = 8
@@ -45,86 +34,14 @@ validate_every = {every}
 """
 
 
-class Place:
-    """A folder with a configuration, and the program that trains from it."""
-
-    def __init__(self, program, folder):
-        self.program = program
-        self.folder = folder
-        (folder / "tmp").mkdir()
+class NetworkPlace(WorkersPlace):
+    """A place with a configuration of a network."""
 
     def command(self, out, workers, *more, epochs=6, every=2, config="train.toml"):
         text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs, every=every)
         (self.folder / config).write_text(text)
         return [self.program, "train", "network", "--config", self.folder / config, "--out", self.folder / out, "--workers",
                 str(workers), "--cache", self.folder / "cache", *more]
-
-    def environment(self, **variables):
-        own = {name: value for name, value in os.environ.items() if name not in VARIABLES}
-        return {**own, "TMPDIR": str(self.folder / "tmp"), **variables}
-
-    def start(self, command, **variables):
-        return subprocess.Popen(command, cwd=PROJECT, env=self.environment(**variables), stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
-
-    def bytes_of(self, out):
-        return (self.folder / out).read_bytes()
-
-    def wait_for_checkpoint(self, out, process):
-        end = time.monotonic() + LONGEST_S
-        while not (self.folder / f"{out}.checkpoint").exists():
-            assert process.poll() is None, process.communicate()
-            assert time.monotonic() < end, "no checkpoint"
-            time.sleep(0.02)
-
-    def started_workers(self):
-        """Processes that worker 0 has started, by their rank."""
-        mark = f"KNUCKLE_WORKERS_FOLDER={self.folder}".encode()
-        found = {}
-        for place in pathlib.Path("/proc").glob("[0-9]*"):
-            try:
-                variables = (place / "environ").read_bytes().split(b"\0")
-            except OSError:
-                continue
-            if any(variable.startswith(mark) for variable in variables):
-                rank = next(variable for variable in variables if variable.startswith(b"KNUCKLE_WORKER="))
-                found[int(rank.split(b"=")[1])] = int(place.name)
-        return found
-
-    def assert_all_end(self):
-        end = time.monotonic() + LONGEST_S
-        while self.started_workers():
-            assert time.monotonic() < end, "a worker goes on alone"
-            time.sleep(0.05)
-        assert not list((self.folder / "tmp").iterdir()), "the workers' folder is left"
-
-
-def ended(process):
-    out, errors = process.communicate(timeout=LONGEST_S)
-    lines = [line for line in errors.splitlines() if line.startswith("knuckle:")]
-    return process.returncode, out, lines, errors
-
-
-def succeeded(process):
-    status, out, _, errors = ended(process)
-    assert status == 0, errors
-    return out
-
-
-def failed_with(process, *parts):
-    status, _, lines, errors = ended(process)
-    assert status == 1 and len(lines) == 1, (status, errors)
-    assert all(part in lines[0] for part in parts), (parts, lines)
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return str(probe.getsockname()[1])
-
-
-def met(rank, size, port):
-    return {"RANK": str(rank), "WORLD_SIZE": str(size), "MASTER_ADDR": "127.0.0.1", "MASTER_PORT": port}
 
 
 def same_bytes(place):
@@ -219,9 +136,7 @@ def other_options(place):
 def full_disk(place):
     command = place.command("net.pt", 2)
     subprocess.run(place.command("first.pt", 1), cwd=PROJECT, env=place.environment(), check=True, stdout=subprocess.DEVNULL)
-    limited = subprocess.Popen(command, cwd=PROJECT, env=place.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               restore_signals=False,  # a write beyond the limit fails, as on a full disk
-                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)))
+    limited = place.start(command, longest_file=30000)
     failed_with(limited, "net.pt")
     place.assert_all_end()
 
@@ -257,14 +172,5 @@ def slurm(place):
     assert place.bytes_of("one.pt") == place.bytes_of("two.pt") == place.bytes_of("job.pt")
 
 
-CASES = {case.__name__: case for case in (same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)}
-
-
-def main():
-    case, program = sys.argv[1:]
-    with tempfile.TemporaryDirectory() as name:
-        CASES[case](Place(pathlib.Path(program).resolve(), pathlib.Path(name)))
-
-
 if __name__ == "__main__":
-    main()
+    run_case(NetworkPlace, same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)

@@ -1,7 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/label/frame_standing.h"
 
+#include <algorithm>
+
 namespace knuckle {
+
+std::vector<FrameStanding> frame_standings(const LabelBook& book, const FittedHands& fits) {
+  std::vector<FrameStanding> standings(static_cast<std::size_t>(book.head().frames));
+  for (const auto& [hand, history] : book.hands()) {
+    if (!is_labelled(history.newest())) continue;
+    FrameStanding& standing = standings[static_cast<std::size_t>(hand.frame)];
+    const LabelState state = history.state();
+    standing.state = std::min(standing.state.value_or(state), state);
+    if (state != LabelState::verified) standing.doubt_mm = std::max(standing.doubt_mm, fits.doubt_mm(hand));
+  }
+  return standings;
+}
 
 std::optional<std::int64_t> proposed_frame(const std::vector<FrameStanding>& standings, std::int64_t after,
                                            int reach) {

@@ -36,8 +36,7 @@ const LabelChange* HandHistory::estimate() const {
 }
 
 LabelState HandHistory::state() const {
-  const auto is_missing = [](const LandmarkLabel& label) { return label.at.is_missing(); };
-  if (newest().mask && std::ranges::all_of(newest().landmarks, is_missing))
+  if (newest().mask && !has_landmarks(newest()))
     return newest().act == LabelAct::verify ? LabelState::verified : LabelState::corrected;
   LabelState least = LabelState::verified;
   LabelState most = LabelState::estimated;
@@ -48,6 +47,12 @@ LabelState HandHistory::state() const {
   }
   if (most < LabelState::corrected) return most;
   return least == LabelState::verified ? LabelState::verified : LabelState::corrected;
+}
+
+double HandHistory::seconds() const {
+  double sum = 0.0;
+  for (const LabelChange& change : changes) sum += change.seconds;
+  return sum;
 }
 
 void LabelBook::take_head(LabelHead head, std::string_view where) {

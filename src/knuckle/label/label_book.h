@@ -36,6 +36,8 @@ struct HandHistory {
   /// else corrected where any landmark is; else that of its landmarks. Of a hand that has a mask alone:
   /// verified where that is the last that was done, else corrected.
   LabelState state() const;
+  /// That persons have worked on it.
+  double seconds() const;
 };
 
 /// All labels of one author with their history: what labels.jsonl says, in memory. A value; not safe to

@@ -164,6 +164,15 @@ bool says_mask(LabelAct act) {
   return act == LabelAct::brush || act == LabelAct::undo || act == LabelAct::redo;
 }
 
+bool has_landmarks(const LabelChange& change) {
+  return std::ranges::any_of(change.landmarks,
+                             [](const LandmarkLabel& label) { return !label.at.is_missing(); });
+}
+
+bool is_labelled(const LabelChange& change) {
+  return change.mask != nullptr || has_landmarks(change);
+}
+
 bool LandmarkLabel::operator==(const LandmarkLabel& other) const {
   if (state != other.state || is_visible != other.is_visible || at.is_missing() != other.at.is_missing())
     return false;

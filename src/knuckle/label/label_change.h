@@ -72,6 +72,11 @@ struct LabelChange {
   std::shared_ptr<const LabelMask> mask = {};  ///< the hand's pixels; null: nobody has painted them
 };
 
+/// Whether any landmark is labelled.
+bool has_landmarks(const LabelChange& change);
+/// Whether the hand has labels: landmarks or a mask. What was taken back to its beginning has none.
+bool is_labelled(const LabelChange& change);
+
 /// What the labels belong to: the first line of labels.jsonl. Where there are more such lines, because the
 /// source changed and a person went on nevertheless, the last one counts.
 struct LabelHead {

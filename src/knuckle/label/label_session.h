@@ -2,34 +2,24 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "knuckle/data/frame_source.h"
+#include "knuckle/label/fitted_hands.h"
 #include "knuckle/label/frame_cache.h"
 #include "knuckle/label/frame_standing.h"
-#include "knuckle/label/label_fit.h"
+#include "knuckle/label/label_estimate.h"
 #include "knuckle/label/label_journal.h"
-#include "knuckle/label/label_propagation.h"
 #include "knuckle/label/label_request.h"
+#include "knuckle/label/propagation_queue.h"
 
 namespace knuckle {
-
-/// A hand that an estimator found, for labelling to begin with.
-struct EstimatedHand {
-  HandSide side = HandSide::right;
-  HandPose pose;  ///< in any convention
-};
-/// What finds the hands of a frame; called without a lock, by one thread at a time.
-using EstimateHands = std::function<std::vector<EstimatedHand>(const Frame&)>;
 
 /// One hand of a frame as it stands.
 struct LabelledHand {
@@ -107,50 +97,39 @@ class LabelSession {
   std::size_t waiting() const;
 
  private:
-  /// A frame's fit is kept as long as its labels stay.
-  struct KeptFit {
-    std::int64_t revision = 0;
-    LabelFit fit;
-    double doubt_mm = 0.0;
-  };
-
-  void estimate(std::int64_t index, const Frame& frame);
-  std::vector<LabelChange> estimated(std::int64_t index, const Frame& frame) const;
   LabelledFrame labelled(std::int64_t index, std::shared_ptr<const Frame> frame);
   LabelledHand labelled_hand(HandKey hand, const HandHistory& history, const Frame& frame);
-  std::vector<ImagePoint> estimates_of(HandKey hand) const;
-  LabelFitContext context_of(HandKey hand) const;
-  double palm_mm(HandKey hand) const;
-  std::optional<LabelFit> fitted(HandKey hand, const std::vector<LandmarkLabel>& labels, const Frame& frame,
-                                 const LabelFitContext& context) const;
+  LabelAnswer as_it_stands(const LabelRequest& request, std::shared_ptr<const Frame> frame,
+                           std::string remark);
+
   LabelAnswer change_hand(const LabelRequest& request, const std::shared_ptr<const Frame>& frame);
-  void settle_depth(const LabelRequest& request, const Frame& frame,
-                    std::vector<LandmarkLabel>& labels) const;
+  LabelChange begun_change(const LabelRequest& request) const;
   LabelAnswer change_mask(const LabelRequest& request, const std::shared_ptr<const Frame>& frame,
                           LabelChange change);
+  LabelAnswer change_landmarks(const LabelRequest& request, const std::shared_ptr<const Frame>& frame,
+                               LabelChange change);
+  void settle_depth(const LabelRequest& request, const Frame& frame,
+                    std::vector<LandmarkLabel>& labels) const;
+  LabelledFrame preview(const LabelRequest& request, const std::shared_ptr<const Frame>& frame,
+                        const LabelChange& change, const std::optional<LabelFit>& fit);
+  void commit_landmarks(const Frame& frame, LabelChange change, const std::optional<LabelFit>& fit);
   LabelAnswer step_back(LabelAct act);
+  std::optional<LabelChange> change_back(LabelAct act) const;
   void commit(LabelChange change);
-  void learn_bones(HandKey hand, const Frame& frame);
-  void learn_all_bones();
-  void queue_neighbours(HandKey hand);
+
+  void estimate(std::int64_t index, const Frame& frame);
+  bool estimate_one();
   bool propagate_one();
   void propagate(HandKey hand, const Frame& frame);
-  std::vector<ImagePoint> first_estimate_of(HandKey hand) const;
-  std::vector<LabelAnchor> anchors_of(HandKey hand) const;
-  bool estimate_one();
   std::string now() const;
-  int sequence_of(std::int64_t index) const;
 
-  const FrameSource& source_;
   LabelJournal& journal_;
   LabelSessionOptions options_;
   mutable std::mutex mutex_;
   FrameCache frames_;
-  mutable std::map<std::int64_t, int> sequences_;  ///< of frames that were asked for: sources may be slow
-  std::map<HandKey, KeptFit> fits_;
-  std::map<std::pair<int, HandSide>, PersonBones> bones_;  ///< one per sequence and side
-  std::set<std::int64_t> looked_at_;                       ///< frames that were estimated, also in vain
-  std::deque<HandKey> to_propagate_;
+  FittedHands fits_;
+  PropagationQueue to_propagate_;
+  std::set<std::int64_t> looked_at_;  ///< frames that were estimated, also in vain
   std::int64_t next_estimate_ = 0;
 };
 

@@ -5,18 +5,11 @@
 #include <cmath>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/nearest_on_segment.h"
 #include "knuckle/hand/hand_flesh.h"
 
 namespace knuckle {
 namespace {
-
-/// The nearest place between two ends, as a share of the way.
-template <class Vector>
-double nearest_share(const Vector& point, const Vector& from, const Vector& to) {
-  const Vector way = to - from;
-  const double length = way.squaredNorm();
-  return length > 0.0 ? std::clamp((point - from).dot(way) / length, 0.0, 1.0) : 0.0;
-}
 
 void paint_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius, std::uint8_t value,
                    Image<std::uint8_t>& pixels) {

@@ -7,15 +7,13 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/box.h"
+#include "knuckle/core/nearest_on_segment.h"
 
 namespace knuckle {
 namespace {
 
 double distance_to_segment(const Point3& point, const Point3& from, const Point3& to) {
-  const Eigen::Vector3d along = to - from;
-  const double length2 = along.squaredNorm();
-  const double share = length2 > 0.0 ? std::clamp((point - from).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (point - from - share * along).norm();
+  return (point - from - nearest_share(point, from, to) * (to - from)).norm();
 }
 
 /// The pixels that see what is within `reach_mm` of the skin.

@@ -15,6 +15,8 @@
 
 namespace knuckle {
 
+struct HandTrack;
+
 /// One hand that is followed.
 struct TrackedHand {
   int id = 0;  ///< from 1 on, never used again until `reset`
@@ -57,31 +59,25 @@ class Tracker {
   void reset();
 
  private:
-  class Person;
-  struct Track;
-
   void step_to(const Frame& frame);
   void follow(const Frame& frame);
   bool is_search_due() const;
   void look_for_more(const Frame& frame);
   void look_beside_hands(const Frame& frame);
   bool is_on_forearm(const Point3& place) const;
-  std::vector<HandSkin> skins_near(const Point3& place, const Track* own) const;
+  std::vector<HandSkin> skins_near(const Point3& place, const HandTrack* own) const;
   void take_up(const Frame& frame, const HandEstimate& hand);
-  bool agree_on_side(Track& track, HandSide side) const;
-  bool take(const Frame& frame, const HandEstimate& estimate, Track& track) const;
-  std::optional<SkeletonFit> fit_of(const LandmarkTargets& targets, const HandSurface& surface,
-                                    const Track& track, Person& person) const;
-  Track* least_trusted();
-  Track* lost_near(const Point3& middle);
+  bool take(const Frame& frame, const HandEstimate& estimate, HandTrack& track) const;
+  HandTrack* least_trusted();
+  HandTrack* lost_near(const Point3& middle);
   std::ptrdiff_t seen_count() const;
   void forget_lost_and_doubled();
-  Track* seen_near(const Point3& middle);
+  HandTrack* seen_near(const Point3& middle);
   std::vector<TrackedHand> hands_seen(const Frame& frame) const;
 
   const Pipeline& pipeline_;
   TrackerOptions options_;
-  std::vector<Track> tracks_;
+  std::vector<HandTrack> tracks_;
   int next_id_ = 1;
   std::optional<double> now_s_;       // of the last frame
   std::optional<double> searched_s_;  // when all of a frame was searched last

@@ -9,6 +9,7 @@
 #include <Eigen/SparseCore>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/nearest_on_segment.h"
 
 namespace knuckle {
 namespace {
@@ -17,11 +18,8 @@ constexpr double kNearestMm =
     1.0;  // a vertex nearer to a bone is heated as if it were this far: keeps H finite
 
 double distance_to(const BoneSegment& bone, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d along = bone.tail - bone.head;
-  const double length_squared = along.squaredNorm();
-  const double t =
-      length_squared > 0.0 ? std::clamp((point - bone.head).dot(along) / length_squared, 0.0, 1.0) : 0.0;
-  return (point - (bone.head + t * along)).norm();
+  const double share = nearest_share(point, bone.head, bone.tail);
+  return (point - (bone.head + share * (bone.tail - bone.head))).norm();
 }
 
 /// The stiffness matrix of linear elements (cotangent weights) and each vertex's share of area [mm^2].

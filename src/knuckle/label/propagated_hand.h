@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "knuckle/label/fitted_hands.h"
+
+namespace knuckle {
+
+/// The labels of a hand that follows verified ones, and the fit that they come from.
+struct PropagatedHand {
+  std::vector<LandmarkLabel> labels;  ///< one per landmark of the convention
+  LabelFit fit;
+};
+
+/// What a hand of `frame` becomes where it follows the verified hands of its side and sequence, up to `reach`
+/// frames away. Nothing where there are none, a person has touched it, nothing can be fitted, or it would
+/// hardly move: less than 1 mm is not worth a line in the file. Throws an Error where the source cannot say
+/// the sequence of a frame.
+std::optional<PropagatedHand> propagated_hand(HandKey hand, const Frame& frame, const LabelBook& book,
+                                              const FittedHands& fits, int reach);
+
+}  // namespace knuckle

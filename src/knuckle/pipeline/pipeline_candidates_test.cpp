@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of the places that segmentation finds become hands.
+#include "knuckle/pipeline/pipeline_testing.h"
+
+namespace knuckle {
+namespace {
+
+using ::testing::AllOf;
+using testing::AllSegmenter;
+using testing::column_pipeline;
+using testing::ColumnEstimator;
+using testing::columns_of;
+using testing::CornerEstimator;
+using ::testing::HasSubstr;
+using testing::moving_parts;
+using testing::plate;
+
+struct Candidates {
+  std::vector<int> places;  ///< columns that the segmenter finds
+  int max_hands;
+  std::vector<int> expected;  ///< columns of the hands, surest first
+  int calls;                  ///< of the estimator
+};
+
+class PipelineCandidates : public ::testing::TestWithParam<Candidates> {};
+
+INSTANTIATE_TEST_SUITE_P(, PipelineCandidates,
+                         ::testing::Values(Candidates{{4, 7, 5}, 1, {7}, 3},  // the surest of three
+                                           Candidates{{6, 8}, 1, {6}, 1},     // sure: nothing else is tried
+                                           Candidates{{4, 6, 8}, 2, {8, 6}, 3},  // two hands
+                                           Candidates{{6, 8, 9}, 2, {8, 6}, 2},  // both sure: the surer first
+                                           Candidates{{4, 6}, 2, {6}, 2},        // one of two is none
+                                           Candidates{{4}, 1, {}, 1},            // nothing is sure
+                                           Candidates{{}, 1, {}, 0}));           // nothing is there
+
+TEST_P(PipelineCandidates, AreTriedWhereAPoseIsNotSure) {
+  const Candidates& c = GetParam();
+  auto estimator = std::make_unique<ColumnEstimator>();
+  const ColumnEstimator& seen = *estimator;
+  const Pipeline pipeline = column_pipeline(c.places, std::move(estimator));
+  EXPECT_EQ(columns_of(pipeline.estimate(plate(), {.max_hands = c.max_hands})), c.expected);
+  EXPECT_EQ(seen.calls, c.calls);
+}
+
+TEST(PipelineFromParts, TellsTheScoreOfAHand) {
+  const FrameEstimate found =
+      column_pipeline({4, 7}, std::make_unique<ColumnEstimator>()).estimate(plate(), {.max_hands = 1});
+  EXPECT_NEAR(found.hands.at(0).score, 0.7, 1e-6);
+  EXPECT_EQ(found.hands.at(0).side, HandSide::right);
+  EXPECT_EQ(found.status, "");
+}
+
+TEST(PipelineFromParts, FindsNothingWhereNothingIsSure) {
+  const Pipeline pipeline = column_pipeline({4}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.max_hands = 2});
+  EXPECT_TRUE(found.hands.empty());
+  EXPECT_THAT(found.status, AllOf(HasSubstr("nothing looks like a hand"), HasSubstr("score of 0.40"),
+                                  HasSubstr("at least 0.50")));
+}
+
+TEST(PipelineFromParts, LooksNowhereElseWhereNotAsked) {
+  const Pipeline pipeline = column_pipeline({4, 7}, std::make_unique<ColumnEstimator>());
+  const FrameEstimate found = pipeline.estimate(plate(), {.elsewhere = false});
+  EXPECT_TRUE(found.hands.empty());
+}
+
+TEST(PipelineFromParts, CountsAHandThatTwoPlacesLeadToOnce) {
+  const FrameEstimate found = Pipeline(moving_parts({4, 5}, 2)).estimate(plate());
+  EXPECT_EQ(found.hands.size(), 1u);
+}
+
+/// Finds a hand at each of these places [mm].
+class PlaceSegmenter final : public Segmenter {
+ public:
+  explicit PlaceSegmenter(std::vector<double> places) : places_(std::move(places)) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    const HandRegion region = found.hands.front();
+    found.hands.clear();
+    for (const double x : places_) {
+      if (std::ssize(found.hands) == max_hands) break;
+      found.hands.push_back(region);
+      found.hands.back().centre = Point3(x, 0.0, 500.0);
+    }
+    return found;
+  }
+
+ private:
+  std::vector<double> places_;
+};
+
+TEST(PipelineFromParts, PlacesNearerThanFiftyMillimetresAreOneHand) {
+  const auto hands_at = [](std::vector<double> places) {
+    const Pipeline pipeline(
+        {HandFinder(std::make_unique<PlaceSegmenter>(std::move(places)), {.max_hands = 3}),
+         std::make_unique<CornerEstimator>()});
+    return pipeline.estimate(plate()).hands.size();
+  };
+  EXPECT_EQ(hands_at({0.0, 49.0}), 1u);
+  EXPECT_EQ(hands_at({0.0, 51.0}), 2u);
+  EXPECT_EQ(hands_at({0.0, 51.0, 25.0}), 2u);
+}
+
+TEST(PipelineFromParts, DoesNotDoubtAMethodWithoutConfidence) {
+  const Pipeline pipeline = column_pipeline({4, 7}, std::make_unique<ColumnEstimator>(false));
+  const FrameEstimate found = pipeline.estimate(plate());
+  EXPECT_EQ(columns_of(found), std::vector{4});
+  EXPECT_EQ(found.hands.at(0).score, 1.0);
+}
+
+}  // namespace
+}  // namespace knuckle

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// How sure a hand is: of its pose, of its place, of being a hand.
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "knuckle/pipeline/pipeline_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::AllSegmenter;
+using testing::corner_parts;
+using testing::CornerEstimator;
+using testing::plate;
+
+TEST(PipelineFromParts, CalibratesWhatComesOutAndNothingElse) {
+  const HandOptions hand{.sure_confidence = 0.6, .confidence_offset = 1.3, .confidence_slope = 1.5};
+  const FrameEstimate result =
+      Pipeline(corner_parts(hand)).estimate(plate(), {.start = Point3(1.0, 2.0, 3.0)});
+  ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_NEAR(result.hands[0].pose.confidence[0], 1.0 / (1.0 + std::exp(-1.3)), 1e-6);
+  EXPECT_NEAR(result.hands[0].score, 0.5, 1e-6) << "of what the estimator says";
+  EXPECT_EQ(result.status, kUnsure);
+}
+
+/// What another segmenter finds, as likely as it is told.
+class LikelySegmenter final : public Segmenter {
+ public:
+  explicit LikelySegmenter(std::optional<double> likelihood) : likelihood_(likelihood) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    for (HandRegion& hand : found.hands) hand.likelihood = likelihood_;
+    return found;
+  }
+
+ private:
+  std::optional<double> likelihood_;
+};
+
+TEST(PipelineFromParts, AHandIsAsSureAsItsPoseAndByHalfAsItsPlace) {
+  const auto score = [](std::optional<double> likelihood) {
+    const Pipeline pipeline(
+        {HandFinder(std::make_unique<LikelySegmenter>(likelihood), {}), std::make_unique<CornerEstimator>()});
+    return pipeline.estimate(plate()).hands.at(0).score;
+  };
+  EXPECT_DOUBLE_EQ(score(std::nullopt), 0.5);
+  EXPECT_DOUBLE_EQ(score(1.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.25), 0.25);
+}
+
+/// Says how likely what it sees is a hand.
+class DoubtingEstimator final : public Estimator {
+ public:
+  explicit DoubtingEstimator(double hand) : hand_(hand) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = corner_.estimate(patch);
+    pose.hand = hand_;
+    return pose;
+  }
+
+ private:
+  CornerEstimator corner_;
+  double hand_;
+};
+
+TEST(PipelineFromParts, AHandIsAsSureAsThatItIsOne) {
+  for (const double likely : {1.0, 0.25, 0.0}) {
+    const Pipeline pipeline({HandFinder(std::make_unique<LikelySegmenter>(std::nullopt), {}),
+                             std::make_unique<DoubtingEstimator>(likely)});
+    EXPECT_DOUBLE_EQ(pipeline.estimate(plate()).hands.at(0).score, 0.5 * likely);
+  }
+}
+
+TEST(PipelineFromParts, WhetherItIsAHandCountsAsMuchAsAskedFor) {
+  const auto score = [](double likely, double weight) {
+    const HandOptions hand{.hand_weight = weight};
+    const Pipeline pipeline({HandFinder(std::make_unique<LikelySegmenter>(std::nullopt), hand),
+                             std::make_unique<DoubtingEstimator>(likely)});
+    return pipeline.estimate(plate()).hands.at(0).score;
+  };
+  EXPECT_DOUBLE_EQ(score(0.25, 0.5), 0.25);
+  EXPECT_DOUBLE_EQ(score(0.0625, 0.25), 0.25);
+  EXPECT_DOUBLE_EQ(score(0.25, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.0, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(score(0.0, 0.125), 0.0);
+  EXPECT_THROW(score(0.5, -0.1), Error);
+  EXPECT_THROW(score(0.5, 1.1), Error);
+}
+
+/// Sees two joints, the second without confidence.
+class DoubtfulEstimator final : public Estimator {
+ public:
+  Convention convention() const override { return {"two2", kTwo}; }
+  const PatchExtractor& patches() const override { return patches_; }
+  PatchPose estimate(const HandPatch& /*patch*/) const override {
+    return {{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {0.9f, 0.3f}};
+  }
+
+ private:
+  static constexpr std::array kTwo = {Landmark::palm, Landmark::wrist};
+  PatchExtractor patches_{{.size_px = 10}};
+};
+
+TEST(PipelineFromParts, AScoreIsTheMeanConfidence) {
+  const Pipeline pipeline(
+      {HandFinder(std::make_unique<AllSegmenter>()), std::make_unique<DoubtfulEstimator>()});
+  EXPECT_NEAR(pipeline.estimate(plate()).hands.at(0).score, 0.6, 1e-6);
+}
+
+}  // namespace
+}  // namespace knuckle

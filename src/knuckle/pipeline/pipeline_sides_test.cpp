@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which side a hand is looked at as: what is told, what an estimator says, what is found in the mirror.
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "knuckle/pipeline/pipeline_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::AllSegmenter;
+using testing::ColumnEstimator;
+using testing::columns_of;
+using testing::ColumnSegmenter;
+using testing::corner_parts;
+using testing::CornerEstimator;
+using testing::plate;
+
+/// Calls all that is measured a hand of one side.
+class SidedSegmenter final : public Segmenter {
+ public:
+  explicit SidedSegmenter(std::optional<HandSide> side) : side_(side) {}
+  Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
+    Segmentation found = AllSegmenter().segment(frame, start, max_hands);
+    for (HandRegion& region : found.hands) region.side = side_;
+    return found;
+  }
+
+ private:
+  std::optional<HandSide> side_;
+};
+
+TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
+  for (const std::string side : {"auto", "right"}) {
+    for (const auto told :
+         {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
+      PipelineParts sided{HandFinder(std::make_unique<SidedSegmenter>(told), {.side = side}),
+                          std::make_unique<CornerEstimator>()};
+      const FrameEstimate result = Pipeline(std::move(sided)).estimate(plate());
+      ASSERT_EQ(result.hands.size(), 1u);
+      const HandEstimate& hand = result.hands[0];
+      const bool is_left = side == "auto" && told == HandSide::left;
+      EXPECT_EQ(hand.side, is_left ? HandSide::left : HandSide::right);
+      EXPECT_NEAR(hand.pose.joints[0].u, is_left ? 13.0 : 4.0, 1e-9);
+      EXPECT_EQ(hand.region.box.x, 4);
+      EXPECT_EQ(hand.region.side, told);
+    }
+  }
+}
+
+/// Tells a right hand by its side of the image: `right_in_left_half` where the plate is, and in a mirror the
+/// rest.
+class SideEstimator final : public Estimator {
+ public:
+  /// In a mirror it is surer of the pose by `surer`.
+  explicit SideEstimator(std::optional<double> right_hand, float surer = 0.0f)
+      : right_hand_(right_hand), surer_(surer) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = corner_.estimate(patch);
+    if (right_hand_) pose.right_hand = is_mirrored(patch) ? 1.0 - *right_hand_ : *right_hand_;
+    if (is_mirrored(patch)) pose.confidence.front() += surer_;
+    return pose;
+  }
+
+ private:
+  /// The plate lies in the left half of the frame.
+  static bool is_mirrored(const HandPatch& patch) {
+    return patch.geometry.to_image(PatchPoint{-1.0, -1.0, 0.0}).u > 0.5 * testing::kPlateFrameWidth;
+  }
+
+  CornerEstimator corner_;
+  std::optional<double> right_hand_;
+  float surer_;
+};
+
+TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
+  const auto side = [](std::optional<double> right, float surer) {
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(HandSide::right), {.side = "auto"}),
+                        std::make_unique<SideEstimator>(right, surer)};
+    return Pipeline(std::move(parts)).estimate(plate()).hands.at(0).side;
+  };
+  EXPECT_EQ(side(std::nullopt, 0.2f), HandSide::left);
+  EXPECT_EQ(side(std::nullopt, -0.2f), HandSide::right);
+  EXPECT_EQ(side(0.6, 0.3f), HandSide::left) << "a little likelier a right one, and much surer as a left one";
+  EXPECT_EQ(side(0.6, 0.01f), HandSide::right);
+  EXPECT_EQ(side(0.97, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
+}
+
+TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
+  for (const HandSide known : {HandSide::right, HandSide::left}) {
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(HandSide::right), {.side = "auto"}),
+                        std::make_unique<SideEstimator>(0.97)};
+    const FrameEstimate result =
+        Pipeline(std::move(parts)).estimate(plate(), {.max_hands = 1, .side = known});
+    ASSERT_EQ(result.hands.size(), 1u);
+    EXPECT_EQ(result.hands[0].side, known);
+    EXPECT_NEAR(result.hands[0].pose.joints[0].u, known == HandSide::left ? 13.0 : 4.0, 1e-9);
+  }
+}
+
+TEST(PipelineFromParts, AnEstimatorThatDoubtsTheSideIsShownTheOtherOne) {
+  for (const auto told :
+       {std::optional<HandSide>(), std::optional(HandSide::right), std::optional(HandSide::left)}) {
+    for (const std::optional<double> right :
+         {std::optional<double>(), std::optional(0.9), std::optional(0.2)}) {
+      PipelineParts sided{HandFinder(std::make_unique<SidedSegmenter>(told), {.side = "auto"}),
+                          std::make_unique<SideEstimator>(right)};
+      const FrameEstimate result = Pipeline(std::move(sided)).estimate(plate());
+      ASSERT_EQ(result.hands.size(), 1u);
+      const HandEstimate& hand = result.hands[0];
+      const bool is_left = right ? *right < 0.5 : told == HandSide::left;
+      EXPECT_EQ(hand.side, is_left ? HandSide::left : HandSide::right);
+      EXPECT_NEAR(hand.pose.joints[0].u, is_left ? 13.0 : 4.0, 1e-9);
+      ASSERT_EQ(hand.side_confidence.has_value(), right.has_value());
+      if (right) {
+        EXPECT_NEAR(*hand.side_confidence, is_left ? 1.0 - *right : *right, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(PipelineFromParts, MirrorsALeftHandThereAndBack) {
+  const FrameEstimate result = Pipeline(corner_parts({.side = "left"})).estimate(plate());
+  ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_EQ(result.hands[0].side, HandSide::left);
+  EXPECT_EQ(result.hands[0].region.box, (Box{4, 10, 10, 10}));
+  EXPECT_NEAR(result.hands[0].pose.joints[0].u, 13.0, 1e-9);  // the mirror image's left is the frame's right
+  EXPECT_NEAR(result.hands[0].pose.joints[0].v, 10.0, 1e-9);
+}
+
+TEST(PipelineFromParts, MirrorsTheStartOfALeftHandThereAndBack) {
+  const Point3 start(-60.0, 10.0, 500.0);
+  const FrameEstimate result = Pipeline(corner_parts({.side = "left"})).estimate(plate(), {.start = start});
+  ASSERT_EQ(result.hands.size(), 1u);
+  EXPECT_EQ(result.hands[0].region.centre, start);  // the segmenter answers with what it is given
+  const FrameEstimate anywhere = Pipeline(corner_parts({.side = "left"})).estimate(plate());
+  EXPECT_EQ(anywhere.hands.at(0).region.centre, Point3(-1.0, 2.0, 3.0));  // seen at x = 1 in the mirror
+}
+
+TEST(PipelineFromParts, FindsTwoLeftHands) {
+  const HandOptions hand{.side = "left", .candidates = 4, .sure_confidence = 0.5};
+  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(std::vector{30, 33}), hand),
+                           std::make_unique<ColumnEstimator>()});
+  Frame frame = plate();
+  std::ranges::fill(frame.depth_mm.pixels(), 500.0f);
+  const FrameEstimate found = pipeline.estimate(frame, {.max_hands = 2});
+  EXPECT_EQ(columns_of(found), (std::vector{6, 9}));  // 39 - 33, 39 - 30
+  for (const HandEstimate& one : found.hands) EXPECT_EQ(one.side, HandSide::left);
+}
+
+}  // namespace
+}  // namespace knuckle
