@@ -2,7 +2,6 @@
 #include "knuckle/patch/turned_patch.h"
 
 #include <cassert>
-#include <utility>
 
 namespace knuckle {
 namespace {

@@ -20,7 +20,8 @@ struct HandPoseOptions {
   double grasp_share = 0.30;    ///< around a thing, with evenly bent fingers, at least 0
   double uniform_share = 0.10;  ///< anywhere within the limits of the joints, at least 0
   double touch_share = 0.0;  ///< the thumb touches a finger: rings, pinches, thumbs across a fist, at least 0
-  double jitter_deg = 6.0;   ///< deviation of what is added to each angle of the first four, [0, 45] [degree]
+  double jitter_deg = 6.0;   ///< deviation of what is added to each angle of the first four and, before the
+                             ///< thumb touches, of touch, [0, 45] [degree]
   double penetration_mm = 6.0;             ///< how deep digits may run into one another, at least 0 [mm]
   std::vector<std::string> gestures = {};  ///< names that are drawn from; empty: all
   std::vector<std::string> without_gestures = {};  ///< names that are left out of those
