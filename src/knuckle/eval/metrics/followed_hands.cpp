@@ -11,6 +11,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/statistics.h"
 #include "knuckle/data/readers/line_index.h"
+#include "knuckle/eval/metrics/occlusion_count.h"
 
 namespace knuckle {
 namespace {

@@ -3,13 +3,9 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string_view>
 
 #include "knuckle/core/frame.h"
-#include "knuckle/core/statistics.h"
-#include "knuckle/data/frame_record.h"
-#include "knuckle/eval/metrics/true_hands.h"
 
 namespace knuckle {
 
@@ -32,23 +28,5 @@ using OcclusionScores = std::array<OcclusionScore, kOccluderCount>;
 
 /// All that is not visible, together.
 OcclusionScore hidden_of(const OcclusionScores& scores);
-
-/// Gathers the landmarks of found hands by what lies before them.
-class OcclusionCount {
- public:
-  /// `places`: of the truth's landmarks in the estimate's list, -1 where it lacks one. Nothing is counted
-  /// where it is not known what hides the landmarks.
-  void add(const TrueHand& truth, const HandRecord& estimate, std::span<const int> places);
-
-  OcclusionScores scores() const;
-
- private:
-  struct Sums {
-    RunningMean error_mm;
-    RunningMean within;
-    RunningMean confidence;
-  };
-  std::array<Sums, kOccluderCount> sums_;
-};
 
 }  // namespace knuckle

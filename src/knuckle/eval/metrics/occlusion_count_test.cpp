@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "knuckle/eval/metrics/occlusion_score.h"
+#include "knuckle/eval/metrics/occlusion_count.h"
 
 #include <cmath>
 
