@@ -38,7 +38,8 @@ ImagePoint mean_of(const HandPose& pose) {
 
 class NetworkPasses : public ::testing::Test {
  protected:
-  NetworkPasses() { save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 1)); }
+  /// What these weights see lies beside the middle of the first look.
+  NetworkPasses() { save_network_weights(folder_ / "small.pt", random_weights(testing::small_network(), 2)); }
 
   FrameEstimate estimate(int passes) const {
     write_text_file(folder_ / "p.toml", fmt::format("[hand]\nsure_confidence = 0.0\n[estimator]\nmethod = "

@@ -91,10 +91,14 @@ void calibrate(std::vector<float>& confidences, const HandOptions& options) {
 
 /// Two regions whose centres are nearer than that are the same thing: no two palms can be.
 constexpr double kSamePlaceMm = 50.0;
+/// Of a known hand's middle: what is nearer is that hand.
+constexpr double kKnownHandMm = 80.0;
+/// A patch whose centre is nearer to the middle of the joints found in it is not cut again: another look
+/// would see the same.
+constexpr double kSettledMm = 10.0;
 
-bool is_near_one_of(const std::vector<Point3>& places, const Point3& centre) {
-  return std::ranges::any_of(places,
-                             [&](const Point3& place) { return (place - centre).norm() < kSamePlaceMm; });
+bool is_near_one_of(const std::vector<Point3>& places, const Point3& centre, double near_mm = kSamePlaceMm) {
+  return std::ranges::any_of(places, [&](const Point3& place) { return (place - centre).norm() < near_mm; });
 }
 
 /// Sorts the hands, the surest first, leaves out those in the place of a surer one, and keeps `most`.
@@ -108,6 +112,23 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
     kept.push_back(std::move(hand));
   }
   hands = std::move(kept);
+}
+
+/// Moves regions of hands that are known from `found` to `known`.
+void set_known_aside(std::vector<HandRegion>& found, const std::vector<Point3>& places,
+                     std::vector<HandRegion>& known) {
+  std::erase_if(found, [&](HandRegion& region) {
+    const bool is_known = is_near_one_of(places, region.centre, kKnownHandMm);
+    if (is_known) known.push_back(std::move(region));
+    return is_known;
+  });
+}
+
+Search in_mirror(Search search) {
+  search.start = mirrored(search.start);
+  search.side.reset();
+  for (Point3& place : search.known) place.x() = -place.x();
+  return search;
 }
 
 constexpr double kSureOfSide = 0.95;
@@ -170,9 +191,10 @@ FrameEstimate Pipeline::estimate(const Frame& frame) const {
 
 FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const {
   if (!finder_.hand().is_left()) return estimate_right(frame, search);
-  FrameEstimate result =
-      estimate_right(mirrored(frame), {mirrored(search.start), search.elsewhere, search.max_hands, {}});
-  for (HandEstimate& hand : result.hands) hand = mirrored_back(std::move(hand), frame.camera.width);
+  const int width = frame.camera.width;
+  FrameEstimate result = estimate_right(mirrored(frame), in_mirror(search));
+  for (HandEstimate& hand : result.hands) hand = mirrored_back(std::move(hand), width);
+  for (HandRegion& region : result.known) region = mirrored(std::move(region), width);
   return result;
 }
 
@@ -241,9 +263,11 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
     std::erase_if(found.hands,
                   [&](const HandRegion& region) { return is_near_one_of(tried, region.centre); });
     for (const HandRegion& region : found.hands) tried.push_back(region.centre);
+    set_known_aside(found.hands, search.known, result.known);
     add_hands(frame, std::move(found.hands), search.side, result);
     const auto sure = std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand); });
-    if (are_all || sure >= search.max_hands || places >= finder_.hand().candidates) break;
+    if (are_all || sure + std::ssize(result.known) >= search.max_hands || places >= finder_.hand().candidates)
+      break;
   }
 }
 
@@ -281,6 +305,7 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   PoseSeen seen = pose_in_patch(*patch, times);
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
     const ImagePoint centre = mean_joint(seen.pose);
+    if ((Projection(frame.camera).to_camera(centre) - region.centre).norm() < kSettledMm) break;
     patch = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
     if (!patch) break;
     seen = pose_in_patch(*patch, times);

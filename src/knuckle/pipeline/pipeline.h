@@ -52,6 +52,7 @@ struct FrameEstimate {
   std::vector<HandEstimate> hands;  ///< surest first
   /// Empty where a sure hand was found; why there is none, in words; or `kUnsure`.
   std::string status;
+  std::vector<HandRegion> known;  ///< where hands are that the search knew: their poses were not estimated
   StageTimes times;
 };
 
@@ -63,6 +64,9 @@ struct Search {
   int max_hands = 1;                             ///< [1, 16]
   /// Which hand it is known to be; unset: as is seen. Only where the pipeline's `side` is auto.
   std::optional<HandSide> side = std::nullopt;
+  /// Middles of hands that are known already, in camera coordinates [mm]. A place that is found within 80 mm
+  /// of one counts as a hand, and is not looked at.
+  std::vector<Point3> known = {};
 };
 
 /// What a pipeline is put together from: stages that come with Knuckle, or your own (docs/extending.md).

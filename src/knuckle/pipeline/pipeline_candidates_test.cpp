@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which of the places that segmentation finds become hands.
+#include <tuple>
+
+#include "knuckle/camera/projection.h"
 #include "knuckle/pipeline/pipeline_testing.h"
 
 namespace knuckle {
@@ -10,8 +13,10 @@ using testing::AllSegmenter;
 using testing::column_pipeline;
 using testing::ColumnEstimator;
 using testing::columns_of;
+using testing::ColumnSegmenter;
 using testing::CornerEstimator;
 using ::testing::HasSubstr;
+using testing::kPlateFrameWidth;
 using testing::moving_parts;
 using testing::plate;
 
@@ -21,6 +26,8 @@ struct Candidates {
   std::vector<int> expected;  ///< columns of the hands, surest first
   int calls;                  ///< of the estimator
 };
+
+using Columns = std::vector<int>;
 
 class PipelineCandidates : public ::testing::TestWithParam<Candidates> {};
 
@@ -67,6 +74,71 @@ TEST(PipelineFromParts, LooksNowhereElseWhereNotAsked) {
 TEST(PipelineFromParts, CountsAHandThatTwoPlacesLeadToOnce) {
   const FrameEstimate found = Pipeline(moving_parts({4, 5}, 2)).estimate(plate());
   EXPECT_EQ(found.hands.size(), 1u);
+}
+
+std::vector<int> known_columns(const FrameEstimate& found) {
+  std::vector<int> columns;
+  for (const HandRegion& region : found.known) columns.push_back(region.box.x);
+  return columns;
+}
+
+/// Columns are 100 mm apart, the sixth at x = -50 mm.
+TEST(PipelineFromParts, CountsAKnownHandAndDoesNotLookAtIt) {
+  const auto search = [](double x, int max_hands) {
+    auto estimator = std::make_unique<ColumnEstimator>();
+    const ColumnEstimator& seen = *estimator;
+    const Pipeline pipeline = column_pipeline({6, 8}, std::move(estimator));
+    FrameEstimate found = pipeline.estimate(plate(), {.max_hands = max_hands, .known = {{x, 0.0, 500.0}}});
+    return std::tuple{columns_of(found), known_columns(found), seen.calls};
+  };
+  EXPECT_EQ(search(-50.0, 1), (std::tuple{Columns{}, Columns{6}, 0}));
+  EXPECT_EQ(search(-50.0, 2), (std::tuple{Columns{8}, Columns{6}, 1}));
+  EXPECT_EQ(search(-129.0, 1), (std::tuple{Columns{}, Columns{6}, 0}));
+  EXPECT_EQ(search(-131.0, 1), (std::tuple{Columns{6}, Columns{}, 1}));  // another hand
+}
+
+TEST(PipelineFromParts, KnowsALeftHandWhereItIs) {
+  const Pipeline pipeline({HandFinder(std::make_unique<ColumnSegmenter>(Columns{6}), {.side = "left"}),
+                           std::make_unique<ColumnEstimator>()});
+  const FrameEstimate found = pipeline.estimate(plate(), {.known = {{50.0, 0.0, 500.0}}});
+  ASSERT_EQ(found.known.size(), 1u);
+  EXPECT_EQ(found.known[0].centre.x(), 50.0);
+  EXPECT_EQ(found.known[0].box.x, kPlateFrameWidth - 1 - 6);
+}
+
+/// Looks up to three times at a cube; sees the palm so far to the right of the middle of each look [mm].
+class StepEstimator final : public Estimator {
+ public:
+  explicit StepEstimator(double step_mm) : step_mm_(step_mm) {}
+  Convention convention() const override { return {"corner1", kPalm}; }
+  const PatchExtractor& patches() const override { return patches_; }
+  int passes() const override { return 3; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    ++calls;
+    const Projection projection(plate().camera);
+    Point3 place = projection.to_camera(patch.geometry.to_image({0.0, 0.0, 0.0}));
+    place.x() += step_mm_;
+    return {{patch.geometry.to_patch(projection.to_image(place))}, {1.0f}};
+  }
+
+  mutable int calls = 0;
+
+ private:
+  static constexpr std::array kPalm = {Landmark::palm};
+  PatchExtractor patches_{{.size_px = 10, .mode = "cube", .cube_mm = 100.0}};
+  double step_mm_;
+};
+
+TEST(PipelineFromParts, DoesNotLookAgainWhereItHasLooked) {
+  const auto looks = [](double step_mm) {
+    auto estimator = std::make_unique<StepEstimator>(step_mm);
+    const StepEstimator& seen = *estimator;
+    const Pipeline pipeline({HandFinder(std::make_unique<AllSegmenter>(), {}), std::move(estimator)});
+    pipeline.estimate(plate(), {.start = Point3(-170.0, 0.0, 500.0)});
+    return seen.calls;
+  };
+  EXPECT_EQ(looks(9.0), 1);
+  EXPECT_EQ(looks(11.0), 3);
 }
 
 /// Finds a hand at each of these places [mm].

@@ -150,10 +150,16 @@ bool Tracker::is_search_due() const {
 void Tracker::look_for_more(const Frame& frame) {
   if (!is_search_due()) return;
   searched_s_ = now_s_;
+  FrameEstimate found =
+      pipeline_.estimate(frame, {.max_hands = pipeline_.hand().max_hands, .known = middles_seen()});
+  for (const HandRegion& region : found.known) {
+    if (HandTrack* const track = seen_near(region.centre)) track->is_found_again = true;
+  }
   std::vector<HandEstimate> others;
-  for (HandEstimate& hand : pipeline_.estimate(frame, {.max_hands = pipeline_.hand().max_hands}).hands) {
-    if (!middle_of(hand, frame).allFinite()) continue;
-    if (HandTrack* const track = seen_near(middle_of(hand, frame))) {
+  for (HandEstimate& hand : found.hands) {
+    const Point3 middle = middle_of(hand, frame);
+    if (!middle.allFinite()) continue;
+    if (HandTrack* const track = seen_near(middle)) {
       track->is_found_again = true;
     } else {
       others.push_back(std::move(hand));
@@ -227,6 +233,14 @@ HandTrack* Tracker::lost_near(const Point3& middle) {
     if (nearest == nullptr || distance < (nearest->middle - middle).norm()) nearest = &track;
   }
   return nearest;
+}
+
+std::vector<Point3> Tracker::middles_seen() const {
+  std::vector<Point3> middles;
+  for (const HandTrack& track : tracks_) {
+    if (track.is_seen_at(*now_s_)) middles.push_back(track.middle);
+  }
+  return middles;
 }
 
 /// The hand that is seen there in this frame, or null.
