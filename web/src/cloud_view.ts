@@ -27,6 +27,7 @@ const kViewpoints: Record<Viewpoint, [number, number]> = {
 const Sees = { nothing: 0, scene: 1, hand: 2 } as const;
 
 const kFieldOfView_deg = 40;
+const kBorder = 0.6;  // of the way from the middle of the view to its edges: a hand is seen whole within
 const kPoints = 1_000_000;
 const kPointsInSoftware = 80_000;  // a processor draws some two million points in a second
 const kBackground = 0x11161c;
@@ -92,7 +93,7 @@ export class CloudView {
     this.#takeHands(header, bones);
     this.#takeSurface(header);
     const sees = header.record.hands.length > 0 ? Sees.hand : Sees.scene;
-    if (!this.#wasMoved && sees > this.#aimedAt) this.#aim(header, images);
+    if (!this.#wasMoved && (sees > this.#aimedAt || this.#isHandLeaving(header))) this.#aim(header, images);
     this.#aimedAt = Math.max(sees, this.#aimedAt);
   }
 
@@ -197,6 +198,15 @@ export class CloudView {
     if (!centre) return;
     this.look("oblique", centre);
     this.#wasMoved = false;
+  }
+
+  /** Whether the middle of the hands is near the border of what is seen, or outside. */
+  #isHandLeaving(header: FrameHeader): boolean {
+    const centre = centreOfHands(header);
+    if (!centre) return false;
+    this.#camera.updateMatrixWorld();
+    const at = new Vector3(centre[0], -centre[1], -centre[2]).project(this.#camera);
+    return Math.abs(at.x) > kBorder || Math.abs(at.y) > kBorder;
   }
 
   #fit(): void {

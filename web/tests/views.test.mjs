@@ -88,6 +88,22 @@ test("the points' view shows each landmark where its place in space is seen, bef
   await check("after zooming and moving");
 });
 
+test("a hand that leaves the points' view is aimed at again, unless a person has moved the view", async () => {
+  const at = (x) => sure(scene.makeHand({ wrist: [x, 75, 450] }));
+  const show = (open, x) => open.show(scene.makeHeader({ hands: [at(x)], c: scene.camera }), scene.depthOf([at(x)], scene.camera));
+  const target = (open) => open.page.evaluate(() => globalThis.knuckle.seenFrom().target);
+  const open = await openWith(at(-90));
+  const [x, y, z] = await target(open);
+  await show(open, -60);
+  assert.deepEqual(await target(open), [x, y, z], "a small move leaves the view alone");
+  await show(open, 160);
+  const followed = await target(open);
+  assert.ok(Math.abs(followed[0] - (x + 250)) < 1 && Math.abs(followed[1] - y) < 1 && Math.abs(followed[2] - z) < 1, `${followed}`);
+  await open.page.keyboard.press("1");
+  await show(open, -90);
+  assert.deepEqual(await target(open), followed, "what a person chose stays");
+});
+
 /** OpenCV's rational distortion, forwards. */
 function distort([x, y], [k1, k2, p1, p2, k3, k4, k5, k6]) {
   const r2 = x * x + y * y;
