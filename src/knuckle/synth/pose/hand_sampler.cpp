@@ -212,6 +212,8 @@ HandAngles crossing_thumb(const HandPoseOptions& options, Random& random) {
   for (int tried = 0; tried < 3 && hand[angles_of_finger(finger).pip] < kBent; ++tried)
     finger = (finger + 1) % 3;
   set_thumb(hand, "fist", 10.0, random);
+  hand[HandAngle::thumb_mcp] = random.uniform(10.0, 50.0) * kDegree;
+  hand[HandAngle::thumb_ip] = random.uniform(0.0, 75.0) * kDegree;
   return with_touching_thumb(
       hand,
       {.finger = finger, .bone = 1, .along = random.uniform(), .distance_mm = random.uniform(14.0, 20.0)});
@@ -219,7 +221,7 @@ HandAngles crossing_thumb(const HandPoseOptions& options, Random& random) {
 
 /// A thumb that touches a finger.
 HandAngles touching_hand(const HandPoseOptions& options, Random& random) {
-  constexpr double kPinches = 0.65;
+  constexpr double kPinches = 0.55;
   return random.uniform() < kPinches ? pinching_hand(options, random) : crossing_thumb(options, random);
 }
 

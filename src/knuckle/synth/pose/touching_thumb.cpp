@@ -15,7 +15,9 @@ namespace knuckle {
 namespace {
 
 constexpr int kSteps = 40;
-constexpr double kHabit = 18.0 * kDegree;  ///< deviation of a thumb's angle from where the hand had it
+/// Deviation of each of a thumb's angles from where the hand had it: it reaches by its metacarpal.
+constexpr std::array<double, kThumbAngleCount> kHabit = {22.0 * kDegree, 22.0 * kDegree, 14.0 * kDegree,
+                                                         18.0 * kDegree, 7.0 * kDegree};
 
 using ThumbRow = Eigen::Matrix<double, 1, kThumbAngleCount>;
 
@@ -43,7 +45,7 @@ Gap gap_of(const HandAngles& hand, const ThumbContact& contact) {
 double cost_of(const HandAngles& hand, const HandAngles& habit, const ThumbContact& contact) {
   double cost = std::pow(gap_of(hand, contact).mm, 2);
   for (int i = 0; i < kThumbAngleCount; ++i) {
-    cost += std::pow((hand.radians[i] - habit.radians[i]) / kHabit, 2);
+    cost += std::pow((hand.radians[i] - habit.radians[i]) / kHabit[i], 2);
   }
   return cost;
 }
@@ -51,11 +53,11 @@ double cost_of(const HandAngles& hand, const HandAngles& habit, const ThumbConta
 /// A step of Levenberg and Marquardt, `damping` times a habit's strength.
 HandAngles stepped(const HandAngles& hand, const HandAngles& habit, const ThumbContact& contact,
                    double damping) {
-  const double strength = 1.0 / (kHabit * kHabit);
   const Gap gap = gap_of(hand, contact);
   Eigen::Matrix<double, kThumbAngleCount, kThumbAngleCount> curvature = gap.slope.transpose() * gap.slope;
   Eigen::Matrix<double, kThumbAngleCount, 1> descent = -gap.mm * gap.slope.transpose();
   for (int i = 0; i < kThumbAngleCount; ++i) {
+    const double strength = 1.0 / (kHabit[i] * kHabit[i]);
     curvature(i, i) += (1.0 + damping) * strength;
     descent[i] += (habit.radians[i] - hand.radians[i]) * strength;
   }

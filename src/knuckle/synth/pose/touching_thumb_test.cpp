@@ -48,8 +48,9 @@ TEST(TouchingThumb, NoOtherThumbIsBetter) {
   const HandAngles hand = clamped(gesture_from_name("ok").angles);
   const ThumbContact contact{.finger = 0, .bone = 2, .along = 0.5, .distance_mm = 25.0};
   const auto cost = [&](const HandAngles& candidate) {
+    constexpr double kDeviations[] = {22 * kDegree, 22 * kDegree, 14 * kDegree, 18 * kDegree, 7 * kDegree};
     double sum = std::pow(distance_from_contact_mm(candidate, contact), 2);
-    for (int i = 0; i < 5; ++i) sum += std::pow((candidate.radians[i] - hand.radians[i]) / (18 * kDegree), 2);
+    for (int i = 0; i < 5; ++i) sum += std::pow((candidate.radians[i] - hand.radians[i]) / kDeviations[i], 2);
     return sum;
   };
   const HandAngles best = with_touching_thumb(hand, contact);
