@@ -11,6 +11,8 @@
 namespace knuckle {
 namespace {
 
+constexpr std::uint32_t kWholeFrame = 0xffffffffu;  ///< the pixel of what is drawn once a frame
+
 /// Sums of 1 / z and counts of measured pixels over rectangles.
 class InverseSums {
  public:
@@ -80,8 +82,8 @@ struct Surface {
 };
 
 /// The depth that a window with an edge finds; 0: none.
-float matched_at_edge(const Image<float>& depth_mm, const Window& window,
-                      const WindowMatchingOptions& options, double jump_mm, bool is_doubtful_lost) {
+float matched_at_edge(const Image<float>& depth_mm, const Window& window, double nearer_share, double jump_mm,
+                      bool is_doubtful_lost) {
   float nearest = INFINITY;
   const auto each = [&](const auto& take) {
     for (int row = window.top; row < window.bottom; ++row) {
@@ -99,7 +101,7 @@ float matched_at_edge(const Image<float>& depth_mm, const Window& window,
   });
   const int area = (window.right - window.left) * (window.bottom - window.top);
   constexpr double kDoubt = 0.06;
-  const double excess = static_cast<double>(nearer.count) / area - options.nearer_share;
+  const double excess = static_cast<double>(nearer.count) / area - nearer_share;
   if (is_doubtful_lost && std::abs(excess) < kDoubt) return 0.0f;
   if (excess > 0.0) return nearer.depth();
   return 2 * (area - nearer.count) > 0 && 2 * farther.count > area - nearer.count ? farther.depth() : 0.0f;
@@ -112,11 +114,11 @@ void WindowMatchingOptions::visit(OptionVisitor& visitor) {
   visitor.integer("widest_window_px", widest_window_px, closed(0, 16));
   visitor.real("window_share", window_share, closed(0, 1));
   visitor.real("nearer_share", nearer_share, closed(0, 1));
+  visitor.real("largest_nearer_share", largest_nearer_share, closed(0, 1));
   visitor.real("window_grain", window_grain, closed(0, 4));
 }
 
 int drawn_window_px(const WindowMatchingOptions& options, std::uint64_t seed) {
-  constexpr std::uint32_t kWholeFrame = 0xffffffffu;
   const auto words = pixel_words(seed, PixelUse::matching, kWholeFrame);
   if (uniform_from_bits(words[0]) >= static_cast<float>(options.window_share)) return 0;
   const int widest = std::max(options.window_px, options.widest_window_px);
@@ -124,10 +126,18 @@ int drawn_window_px(const WindowMatchingOptions& options, std::uint64_t seed) {
   return options.window_px + static_cast<int>(words[1] % choices);
 }
 
+double drawn_nearer_share(const WindowMatchingOptions& options, std::uint64_t seed) {
+  const double largest = std::max(options.nearer_share, options.largest_nearer_share);
+  const auto words = pixel_words(seed, PixelUse::matching, kWholeFrame);
+  return options.nearer_share +
+         (largest - options.nearer_share) * static_cast<double>(uniform_from_bits(words[2]));
+}
+
 Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchingOptions& options,
                                 double jump_mm, std::uint64_t seed) {
   const int reach = drawn_window_px(options, seed);
   if (reach == 0) return depth_mm;
+  const double nearer_share = drawn_nearer_share(options, seed);
   const InverseSums sums(depth_mm);
   const Image<std::uint8_t> has_edge = windows_with_edges(depth_mm, reach, jump_mm);
   Image<float> matched(depth_mm.width(), depth_mm.height());
@@ -142,7 +152,7 @@ Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchi
       const auto pixel = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(depth_mm.width()) +
                          static_cast<std::uint32_t>(column);
       const bool is_doubtful_lost = (pixel_words(seed, PixelUse::matching, pixel)[0] & 1u) != 0;
-      matched(column, row) = matched_at_edge(depth_mm, window, options, jump_mm, is_doubtful_lost);
+      matched(column, row) = matched_at_edge(depth_mm, window, nearer_share, jump_mm, is_doubtful_lost);
     }
   }
   return matched;

@@ -66,6 +66,33 @@ TEST(WindowMatching, EachFrameDrawsItsReach) {
   }
 }
 
+TEST(WindowMatching, EachFrameDrawsTheShareAtWhichTheNearerWins) {
+  const WindowMatchingOptions options{.window_px = 3, .nearer_share = 0.3, .largest_nearer_share = 0.6};
+  double sum = 0.0, least = 1.0, most = 0.0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const double share = drawn_nearer_share(options, seed);
+    sum += share;
+    least = std::min(least, share);
+    most = std::max(most, share);
+    EXPECT_EQ(drawn_nearer_share({.nearer_share = 0.5, .largest_nearer_share = 0.2}, seed), 0.5);
+    EXPECT_EQ(drawn_nearer_share({.nearer_share = 0.5}, seed), 0.5);
+  }
+  EXPECT_NEAR(sum / 1000, 0.45, 0.012);  // four deviations
+  EXPECT_GE(least, 0.3);
+  EXPECT_LT(least, 0.31);
+  EXPECT_LE(most, 0.6);
+  EXPECT_GT(most, 0.59);
+  Image<float> image = wall(800);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 20; ++column) image(column, row) = 500;
+  }
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const double share = drawn_nearer_share(options, seed);
+    EXPECT_EQ(matched_in_windows(image, options, 20, seed),
+              matched_in_windows(image, {.window_px = 3, .nearer_share = share}, 20, seed));
+  }
+}
+
 TEST(WindowMatching, TheDrawnReachIsTheOneThatMatches) {
   Image<float> image = wall(800);
   for (int row = 0; row < 30; ++row) {
