@@ -101,6 +101,11 @@ def percentile(values, share):
     return sorted(values)[min(len(values) - 1, int(share * len(values)))]
 
 
+def most_by_tenth(values):
+    """Of the first, second, ... tenth of the run: whether it grows is seen at a glance."""
+    return [round(max(values[len(values) * i // 10: len(values) * (i + 1) // 10], default=0), 1) for i in range(10)]
+
+
 def settled(values):
     """Those after the first tenth, in which buffers are still taken."""
     return values[len(values) // 10:] or values
@@ -170,7 +175,7 @@ def main():
         "latency_ms": {"median": round(statistics.median(latency), 2), "p95": round(percentile(latency, 0.95), 2),
                        "p99": round(percentile(latency, 0.99), 2), "most": round(max(latency), 2)},
         "memory_mb": {"first": round(settled(watch.memory)[0], 1), "last": round(watch.memory[-1], 1),
-                      "least": round(min(settled(watch.memory)), 1), "most": round(max(settled(watch.memory)), 1)},
+                      "least": round(min(settled(watch.memory)), 1), "most": round(max(settled(watch.memory)), 1), "most_by_tenth": most_by_tenth(watch.memory)},
         "descriptors": {"least": min(settled(watch.descriptors)), "most": max(settled(watch.descriptors)),
                         "last": watch.descriptors[-1]},
         "lines_read": [client.lines for client in clients],
