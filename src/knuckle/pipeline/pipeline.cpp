@@ -325,11 +325,11 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     }
     return true;
   });
-  // Who found the place and who sees the pose there are two witnesses: the first counts by half.
-  const double likelihood = std::sqrt(region.likelihood.value_or(1.0));
+  // Who sees the pose is one witness; who found the place, and how well a hand model fits, count by half.
+  const double others = std::sqrt(region.likelihood.value_or(1.0) * plausibility);
   hand.region = std::move(region);
   const double is_hand = std::pow(seen.hand.value_or(1.0), finder_.hand().hand_weight);
-  hand.score = likelihood * is_hand * plausibility * mean_confidence(seen.pose);
+  hand.score = others * is_hand * mean_confidence(seen.pose);
   calibrate(seen.pose.confidence, finder_.hand());
   hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
                          : std::move(seen.pose);

@@ -3,6 +3,7 @@
 #include "knuckle/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -98,7 +99,8 @@ TEST(PipelineFromParts, HandsHaveTheAnglesOfTheLastRefinerThatFitsASkeleton) {
     ASSERT_TRUE(hand.angles);
     EXPECT_EQ((*hand.angles)[HandAngle::ring_pip], 0.7);
     EXPECT_EQ(hand.skeleton, "of 0.7");
-    EXPECT_NEAR(hand.score, 0.3 * 0.7 * Pipeline(corner_parts()).estimate(frame).hands.front().score, 1e-9);
+    EXPECT_NEAR(hand.score,
+                std::sqrt(0.3 * 0.7) * Pipeline(corner_parts()).estimate(frame).hands.front().score, 1e-9);
     EXPECT_FALSE(Pipeline(corner_parts()).estimate(frame).hands.front().angles);
   }
 }
