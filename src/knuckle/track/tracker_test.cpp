@@ -40,6 +40,7 @@ struct World {
   double noise_mm = 0.0;
   double size = 1.0;
   int searches = 0;  // of all of a frame
+  int looks = 0;     // of the estimator
   std::function<void()> while_searching = [] {};
   std::function<bool(const Frame&, const std::optional<Point3>&, const TrueHand&)> is_found =
       [](const Frame&, const std::optional<Point3>&, const TrueHand&) { return true; };
@@ -84,6 +85,7 @@ class StraightEstimator final : public Estimator {
   Convention convention() const override { return superset_convention(); }
   const PatchExtractor& patches() const override { return patches_; }
   PatchPose estimate(const HandPatch& patch) const override {
+    ++world_.looks;
     const Projection projection(symmetric_camera());
     const Point3 centre = projection.to_camera(patch.geometry.to_image({0, 0, 0}));
     const auto points =
@@ -154,6 +156,26 @@ TEST_F(TrackerTest, AHandThatMovesKeepsItsIdAndIsFoundWithoutASearch) {
     EXPECT_GT(hands[0].score, 0.5);
   }
   EXPECT_LE(world_.searches, 7) << "until it is trusted";
+}
+
+TEST_F(TrackerTest, ASearchLeavesHandsThatAreFollowedAlone) {
+  const Pipeline two = pipeline(2);
+  Tracker tracker(two, {.search_every_s = 0.0});
+  world_.hands = {{{-120, 0, kDepthMm}}, {{120, 0, kDepthMm}, HandSide::left}};
+  for (int i = 0; i < 10; ++i) tracker.update(frame_at(i / 30.0));
+  ASSERT_EQ(world_.searches, 10);
+  const int before = world_.looks;
+  for (int i = 10; i < 20; ++i) EXPECT_EQ(tracker.update(frame_at(i / 30.0)).size(), 2u);
+  EXPECT_EQ(world_.searches, 20);
+  const int of_followed = world_.looks - before;
+  Tracker without(two, {.search_every_s = 1.0});
+  for (int i = 0; i < 10; ++i) without.update(frame_at(i / 30.0));
+  const int searches = world_.searches;
+  const int begun = world_.looks;
+  for (int i = 10; i < 20; ++i) without.update(frame_at(i / 30.0));
+  EXPECT_LT(world_.searches - searches, 10);
+  EXPECT_EQ(of_followed, world_.looks - begun)
+      << "each hand is looked at as often, with searches and without";
 }
 
 TEST_F(TrackerTest, WhatIsFollowedGivesItsPlaceToWhatTheWholeFrameShows) {
