@@ -16,7 +16,7 @@ struct RefinedHand {
   HandPose pose;
   std::optional<HandAngles> angles = {};  ///< of the skeleton that was fitted; nothing where none was
   std::string skeleton = {};              ///< its name; empty where none was
-  double plausibility = 1.0;              ///< that this is a hand at all, (0, 1]: its score has the square root
+  double plausibility = 1.0;  ///< that this is a hand at all, (0, 1]: its score has the square root
 };
 
 /// Improves an estimated pose with what the frame shows: the paper's postprocessing.
