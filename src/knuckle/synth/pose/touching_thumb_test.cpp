@@ -65,6 +65,16 @@ TEST(TouchingThumb, NoOtherThumbIsBetter) {
   }
 }
 
+/// An angle's share of the way is in proportion to the square of its deviation.
+TEST(TouchingThumb, TheEndJointKeepsItsBend) {
+  const HandAngles hand = clamped(gesture_from_name("ok").angles);
+  const HandAngles touching =
+      with_touching_thumb(hand, {.finger = 0, .bone = 2, .along = 0.5, .distance_mm = 40.0});
+  const auto moved = [&](HandAngle angle) { return std::abs(touching[angle] - hand[angle]); };
+  EXPECT_GT(moved(HandAngle::thumb_mcp), 2 * kDegree);
+  EXPECT_LT(moved(HandAngle::thumb_ip), 0.4 * moved(HandAngle::thumb_mcp));
+}
+
 TEST(TouchingThumb, AFingerOutOfReachIsApproached) {
   const HandAngles hand = clamped(gesture_from_name("spread").angles);  // its little finger stands off
   const ThumbContact contact{.finger = 3, .bone = 2, .along = 1.0, .distance_mm = 12.0};
