@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
@@ -117,11 +118,10 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
 /// Moves regions of hands that are known from `found` to `known`.
 void set_known_aside(std::vector<HandRegion>& found, const std::vector<Point3>& places,
                      std::vector<HandRegion>& known) {
-  std::erase_if(found, [&](HandRegion& region) {
-    const bool is_known = is_near_one_of(places, region.centre, kKnownHandMm);
-    if (is_known) known.push_back(std::move(region));
-    return is_known;
-  });
+  const auto aside = std::ranges::stable_partition(
+      found, [&](const HandRegion& region) { return !is_near_one_of(places, region.centre, kKnownHandMm); });
+  known.insert(known.end(), std::make_move_iterator(aside.begin()), std::make_move_iterator(aside.end()));
+  found.erase(aside.begin(), aside.end());
 }
 
 Search in_mirror(Search search) {

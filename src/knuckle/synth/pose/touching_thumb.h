@@ -18,9 +18,9 @@ struct ThumbContact {
 
 /// The hand with its thumb bent so that the tip of a mean adult's (`adult_skeleton`) touches the finger: the
 /// angles of least squares in the distance [deviation 1 mm] and in the difference from the thumb that `hand`
-/// has [deviation 22 degrees of the metacarpal, 14 of its
-/// twist, 18 of the MCP, 7 of the IP], within the limits of the joints. A thumb that cannot reach the finger
-/// comes as near as it can: `distance_from_contact_mm` tells.
+/// has [deviation 22 degrees of the metacarpal, 14 of its twist, 18 of the MCP, 7 of the IP], within the
+/// limits of the joints. A thumb that cannot reach the finger comes as near as it can:
+/// `distance_from_contact_mm` tells.
 HandAngles with_touching_thumb(const HandAngles& hand, const ThumbContact& contact);
 
 /// How far the thumb's tip is from the distance that the contact asks for, on a mean adult [mm].

@@ -13,6 +13,15 @@ Image<float> wall(float depth_mm) {
   return Image<float>(40, 30, depth_mm);
 }
 
+/// The left half is nearer.
+Image<float> step() {
+  Image<float> image = wall(800);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 20; ++column) image(column, row) = 500;
+  }
+  return image;
+}
+
 TEST(WindowMatching, OffItChangesNothing) {
   EXPECT_EQ(matched_in_windows(wall(500), {}, 20, 1), wall(500));
   EXPECT_EQ(matched_in_windows(wall(500), {.window_px = 3, .window_share = 0}, 20, 1), wall(500));
@@ -34,10 +43,7 @@ TEST(WindowMatching, APlaneIsItselfAndRoughnessIsAveraged) {
 }
 
 TEST(WindowMatching, TheNearerGrowsAndGapsClose) {
-  Image<float> image = wall(800);
-  for (int row = 0; row < 30; ++row) {
-    for (int column = 0; column < 20; ++column) image(column, row) = 500;
-  }
+  const Image<float> image = step();
   const Image<float> edge = matched_in_windows(image, {.window_px = 4, .nearer_share = 0.2}, 20, 1);
   int grown = 0;
   for (int column = 20; column < 28; ++column)
@@ -82,10 +88,7 @@ TEST(WindowMatching, EachFrameDrawsTheShareAtWhichTheNearerWins) {
   EXPECT_LT(least, 0.31);
   EXPECT_LE(most, 0.6);
   EXPECT_GT(most, 0.59);
-  Image<float> image = wall(800);
-  for (int row = 0; row < 30; ++row) {
-    for (int column = 0; column < 20; ++column) image(column, row) = 500;
-  }
+  const Image<float> image = step();
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const double share = drawn_nearer_share(options, seed);
     EXPECT_EQ(matched_in_windows(image, options, 20, seed),
@@ -94,10 +97,7 @@ TEST(WindowMatching, EachFrameDrawsTheShareAtWhichTheNearerWins) {
 }
 
 TEST(WindowMatching, TheDrawnReachIsTheOneThatMatches) {
-  Image<float> image = wall(800);
-  for (int row = 0; row < 30; ++row) {
-    for (int column = 0; column < 20; ++column) image(column, row) = 500;
-  }
+  const Image<float> image = step();
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const WindowMatchingOptions drawn{.window_px = 1, .widest_window_px = 4};
     const int reach = drawn_window_px(drawn, seed);
