@@ -118,10 +118,11 @@ void keep_surest(std::vector<HandEstimate>& hands, int most) {
 /// Moves regions of hands that are known from `found` to `known`.
 void set_known_aside(std::vector<HandRegion>& found, const std::vector<Point3>& places,
                      std::vector<HandRegion>& known) {
-  const auto aside = std::ranges::stable_partition(
-      found, [&](const HandRegion& region) { return !is_near_one_of(places, region.centre, kKnownHandMm); });
-  known.insert(known.end(), std::make_move_iterator(aside.begin()), std::make_move_iterator(aside.end()));
-  found.erase(aside.begin(), aside.end());
+  const auto aside = std::stable_partition(found.begin(), found.end(), [&](const HandRegion& region) {
+    return !is_near_one_of(places, region.centre, kKnownHandMm);
+  });
+  known.insert(known.end(), std::make_move_iterator(aside), std::make_move_iterator(found.end()));
+  found.erase(aside, found.end());
 }
 
 Search in_mirror(Search search) {
