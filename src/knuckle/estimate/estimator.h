@@ -16,6 +16,8 @@ struct PatchPose {
   std::vector<float> confidence;          ///< one per joint in [0, 1], or empty
   std::optional<double> right_hand = {};  ///< how likely it is a right hand, [0, 1]; nothing: it cannot tell
   std::optional<double> hand = {};        ///< how likely it is a hand at all; nothing: it cannot tell
+  int seen_by = 0;                        ///< of several networks, which one saw the joints
+  int quarter_turns = 0;                  ///< how the patch was turned when they were seen
 };
 
 /// Infers the pose of a hand from its patch. Models are for right hands.
@@ -35,6 +37,9 @@ class Estimator {
   virtual double sure_confidence() const { return 0.0; }
   /// `patch` is made by patches(). Safe to call from many threads.
   virtual PatchPose estimate(const HandPatch& patch) const = 0;
+  /// The pose that estimate() saw in the patch, made surer by other looks at the same patch, where the method
+  /// has any. Safe to call from many threads.
+  virtual PatchPose ascertained(const HandPatch& /*patch*/, PatchPose seen) const { return seen; }
 };
 
 }  // namespace knuckle

@@ -6,7 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "knuckle/core/angle.h"
 #include "knuckle/core/error.h"
+#include "knuckle/patch/cube_patch.h"
 #include "knuckle/patch/turned_patch.h"
 
 namespace knuckle {
@@ -21,6 +23,12 @@ double mean_confidence(const PatchPose& pose) {
   return pose.confidence.empty() ? 0.0 : sum / static_cast<double>(pose.confidence.size());
 }
 
+/// The mean of two places of a joint, of which the first has the weight `share`, [0, 1].
+PatchPoint mean_of(const PatchPoint& one, const PatchPoint& other, double share) {
+  const auto mix = [&](double a, double b) { return share * a + (1.0 - share) * b; };
+  return {mix(one.u, other.u), mix(one.v, other.v), mix(one.d, other.d)};
+}
+
 }  // namespace
 
 void SurestEstimatorOptions::visit(OptionVisitor& visitor) {
@@ -29,6 +37,7 @@ void SurestEstimatorOptions::visit(OptionVisitor& visitor) {
   visitor.real("enough", enough, closed(0, 1));
   visitor.real("lead", lead, closed(0, 1));
   visitor.integer("views", views, closed(1, 4));
+  visitor.real("second_look_deg", second_look_deg, closed(-90, 90));
 }
 
 SurestEstimator::SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimators,
@@ -59,18 +68,37 @@ double SurestEstimator::sure_confidence() const {
 
 PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
   Choice choice;
-  for (const auto& estimator : estimators_) {
+  for (int i = 0; i < std::ssize(estimators_); ++i) {
     if (choice.confidence >= options_.enough) break;
-    consider(estimator->estimate(patch), choice);
+    PatchPose pose = estimators_[i]->estimate(patch);
+    pose.seen_by = i;
+    consider(std::move(pose), choice);
   }
   for (const int quarters : std::span(kTurns).first(static_cast<std::size_t>(options_.views - 1))) {
     if (choice.confidence >= options_.enough) break;
     PatchPose pose =
         estimators_.back()->estimate({turned(patch.pixels, quarters), patch.geometry, patch.camera});
     for (PatchPoint& joint : pose.joints) joint = turned(joint, 4 - quarters);
+    pose.seen_by = static_cast<int>(estimators_.size()) - 1;
+    pose.quarter_turns = quarters;
     consider(std::move(pose), choice);
   }
   return std::move(choice.pose);
+}
+
+PatchPose SurestEstimator::ascertained(const HandPatch& patch, PatchPose seen) const {
+  if (options_.second_look_deg == 0.0) return seen;
+  const double turn = (90.0 * seen.quarter_turns + options_.second_look_deg) * kDegree;
+  const PatchPose other = estimators_[seen.seen_by]->estimate(
+      {turned_by(patch.pixels, turn, kCubeBackground), patch.geometry, patch.camera});
+  for (std::size_t i = 0; i < seen.joints.size(); ++i) {
+    const double sum = double{seen.confidence[i]} + other.confidence[i];
+    const double share = sum > 0.0 ? seen.confidence[i] / sum : 0.5;
+    seen.joints[i] = mean_of(seen.joints[i], turned_by(other.joints[i], -turn), share);
+    seen.confidence[i] = static_cast<float>(0.5 * sum);
+  }
+  if (seen.right_hand && other.right_hand) seen.right_hand = 0.5 * (*seen.right_hand + *other.right_hand);
+  return seen;
 }
 
 void SurestEstimator::consider(PatchPose other, Choice& choice) const {

@@ -20,6 +20,10 @@ struct SurestEstimatorOptions {
   /// Looks of the last one at a patch of which nobody is sure enough, [1, 4]: the second upside down, the
   /// third and fourth by a quarter turn.
   int views = 1;
+  /// A pose that is kept is the mean of two looks, of which one is turned in the image plane by so much
+  /// [deg],
+  /// [-90, 90]; 0: a single look counts.
+  double second_look_deg = 0.0;
 
   void visit(OptionVisitor& visitor);
 };
@@ -28,7 +32,8 @@ struct SurestEstimatorOptions {
 /// The first, which is asked always, may know free hands very well; where it is not sure, the next is asked,
 /// which knows hands among things, and the pose with the highest mean confidence counts. Where none is sure,
 /// the last may be shown the patch turned in its plane (`views`): what it has learned of hands that point up
-/// helps with those that point down.
+/// helps with those that point down. The errors of a network depend on how the hand lies in the patch, so the
+/// mean of two looks is nearer to the truth than either (`second_look_deg`).
 class SurestEstimator final : public Estimator {
  public:
   /// Throws an Error where there are fewer than two estimators, they differ in patches or convention, or one
@@ -42,6 +47,9 @@ class SurestEstimator final : public Estimator {
   /// The side, and whether it is a hand, are what the surest says, or else the surest of those asked that can
   /// tell.
   PatchPose estimate(const HandPatch& patch) const override;
+  /// The mean of the pose and of that which the same network sees in the patch turned by `second_look_deg`,
+  /// each joint weighted by its confidence; confidences and the likelihood of a right hand are plain means.
+  PatchPose ascertained(const HandPatch& patch, PatchPose seen) const override;
 
  private:
   struct Choice {

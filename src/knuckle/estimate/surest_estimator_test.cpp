@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/estimate/surest_estimator.h"
 
+#include <cmath>
+
+#include "knuckle/core/angle.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/net/net_testing.h"
 #include "knuckle/net/network_file.h"
+#include "knuckle/patch/cube_patch.h"
+#include "knuckle/patch/turned_patch.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -153,6 +158,102 @@ TEST(SurestEstimator, WhereNothingIsSureThePatchIsTurned) {
   }
 }
 
+/// Finds the brightest pixel of what it is shown and says that all joints are there; its confidence and its
+/// side are those of `unturned` where that pixel is in the image's upper half, else those of `turned`.
+class FindsBrightest final : public Estimator {
+ public:
+  struct Opinion {
+    float confidence;
+    double right_hand;
+  };
+
+  FindsBrightest(Opinion upper, Opinion lower)
+      : upper_(upper), lower_(lower), patches_({.size_px = 13, .mode = "cube"}) {}
+
+  Convention convention() const override { return convention_from_name("nyu14"); }
+  const PatchExtractor& patches() const override { return patches_; }
+  double sure_confidence() const override { return 0.3; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    const Image<float>& image = patch.pixels;
+    PatchPoint brightest;
+    float most = -1.0f;
+    for (int v = 0; v < image.height(); ++v) {
+      for (int u = 0; u < image.width(); ++u) {
+        if (image(u, v) <= most || image(u, v) == kCubeBackground) continue;
+        most = image(u, v);
+        brightest = {u / 6.0 - 1.0, v / 6.0 - 1.0, most};
+      }
+    }
+    const Opinion& opinion = brightest.v < 0.0 ? upper_ : lower_;
+    return {std::vector<PatchPoint>(14, brightest), std::vector<float>(14, opinion.confidence),
+            opinion.right_hand};
+  }
+
+ private:
+  Opinion upper_, lower_;
+  PatchExtractor patches_;
+};
+
+/// Looks at a pixel of a patch through two of them; the second is the one that is sure.
+PatchPose ascertained_pixel(int u, int v, double second_look_deg) {
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  using Opinion = FindsBrightest::Opinion;
+  estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.1f, 0.1}, Opinion{0.1f, 0.1}));
+  estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.9f, 0.8}, Opinion{0.3f, 0.4}));
+  const SurestEstimator surest(std::move(estimators), {.second_look_deg = second_look_deg});
+  HandPatch patch{Image<float>(13, 13, kCubeBackground), {}, {}};
+  for (int row = 0; row < 13; ++row) {
+    for (int column = 0; column < 13; ++column)
+      patch.pixels(column, row) = static_cast<float>(0.5 - 0.1 * std::hypot(column - u, row - v));
+  }
+  return surest.ascertained(patch, surest.estimate(patch));
+}
+
+TEST(SurestEstimator, AKeptPoseIsTheMeanOfTwoLooks) {
+  // Up and to the right of the middle; a quarter turn takes it down and to the right.
+  const PatchPose pose = ascertained_pixel(8, 1, 90.0);
+  EXPECT_NEAR(pose.joints[0].u, 2.0 / 6.0, 1e-12) << "turned back, both looks see the same place";
+  EXPECT_NEAR(pose.joints[0].v, -5.0 / 6.0, 1e-12);
+  EXPECT_NEAR(pose.joints[0].d, 0.5, 1e-12);
+  EXPECT_FLOAT_EQ(pose.confidence[0], 0.6f);
+  EXPECT_NEAR(*pose.right_hand, 0.6, 1e-12);
+
+  // By other angles places are rounded to pixels, which may take this one away: the brightest of a hill is
+  // found.
+  const PatchPose coarse = ascertained_pixel(8, 1, -40.0);
+  EXPECT_NEAR(coarse.joints[3].u, 2.0 / 6.0, 0.5 / 6.0);
+  EXPECT_NEAR(coarse.joints[3].v, -5.0 / 6.0, 0.5 / 6.0);
+  EXPECT_NE(coarse.joints[3].u, 2.0 / 6.0) << "a mean";
+}
+
+TEST(SurestEstimator, WithoutASecondLookAPoseStaysAsItIs) {
+  const PatchPose pose = ascertained_pixel(8, 1, 0.0);
+  EXPECT_EQ(pose.joints[0].u, 8 / 6.0 - 1.0);
+  EXPECT_EQ(pose.confidence[0], 0.9f);
+  EXPECT_EQ(pose.right_hand, 0.8);
+}
+
+TEST(SurestEstimator, TheSecondLookIsTurnedAgainstTheFirst) {
+  // Upside down the pixel is in the upper half, where the last one is sure.
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  using Opinion = FindsBrightest::Opinion;
+  for (int i = 0; i < 2; ++i)
+    estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.9f, 0.8}, Opinion{0.3f, 0.4}));
+  const SurestEstimator surest(std::move(estimators), {.views = 2, .second_look_deg = 90.0});
+  HandPatch patch{Image<float>(13, 13, kCubeBackground), {}, {}};
+  patch.pixels(2, 10) = 0.5f;
+  const PatchPose first = surest.estimate(patch);
+  EXPECT_EQ(first.confidence[0], 0.9f);
+  EXPECT_EQ(first.quarter_turns, 2);
+  EXPECT_EQ(first.seen_by, 1);
+  // Turned by three quarters it is in the lower half, where that is less sure; by one quarter it would not
+  // be.
+  const PatchPose pose = surest.ascertained(patch, first);
+  EXPECT_FLOAT_EQ(pose.confidence[0], 0.6f);
+  EXPECT_NEAR(pose.joints[0].u, -4.0 / 6.0, 1e-12);
+  EXPECT_NEAR(pose.joints[0].v, 4.0 / 6.0, 1e-12);
+}
+
 TEST(SurestEstimator, WhatDoesNotBelongTogetherIsRefused) {
   const auto fault = [](std::unique_ptr<Estimator> other) {
     std::vector<std::unique_ptr<Estimator>> estimators;
@@ -185,6 +286,7 @@ TEST(SurestEstimator, IsMadeFromAFile) {
   EXPECT_THAT(fault("models = [\"a.pt\", \"none.pt\"]"), HasSubstr("none.pt"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nlead = 2"), HasSubstr("lead"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nviews = 5"), HasSubstr("views"));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nsecond_look_deg = 91"), HasSubstr("second_look_deg"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nmodel = \"a.pt\""), HasSubstr("model"));
 }
 

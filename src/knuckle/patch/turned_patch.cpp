@@ -2,6 +2,7 @@
 #include "knuckle/patch/turned_patch.h"
 
 #include <cassert>
+#include <cmath>
 
 namespace knuckle {
 namespace {
@@ -28,6 +29,29 @@ PatchPoint turned(const PatchPoint& point, int quarters) {
   PatchPoint result = point;
   for (int i = 0; i < quarters % 4; ++i) result = {-result.v, result.u, result.d};
   return result;
+}
+
+Image<float> turned_by(const Image<float>& square, double radians, float background) {
+  assert(square.width() == square.height());
+  const int size = square.width();
+  const double middle = 0.5 * (size - 1);
+  Image<float> result(size, size, background);
+  for (int v = 0; v < size; ++v) {
+    for (int u = 0; u < size; ++u) {
+      const PatchPoint from = turned_by(PatchPoint{u - middle, v - middle, 0.0}, -radians);
+      const double column = std::floor(from.u + middle + 0.5);
+      const double row = std::floor(from.v + middle + 0.5);
+      if (column < 0.0 || row < 0.0 || column >= size || row >= size) continue;
+      result(u, v) = square(static_cast<int>(column), static_cast<int>(row));
+    }
+  }
+  return result;
+}
+
+PatchPoint turned_by(const PatchPoint& point, double radians) {
+  const double cosine = std::cos(radians);
+  const double sine = std::sin(radians);
+  return {cosine * point.u - sine * point.v, sine * point.u + cosine * point.v, point.d};
 }
 
 }  // namespace knuckle

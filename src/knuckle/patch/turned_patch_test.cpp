@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/patch/turned_patch.h"
 
+#include <cmath>
+
+#include "knuckle/core/angle.h"
 #include "knuckle/core/testing.h"
 
 namespace knuckle {
@@ -39,6 +42,53 @@ TEST(TurnedPatch, PointsGoWithTheirPixels) {
       EXPECT_EQ(back.u, point.u);
       EXPECT_EQ(back.v, point.v);
     }
+  }
+}
+
+TEST(TurnedPatch, ByAnyAngleAsByQuarters) {
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    for (const int size : {4, 5}) {
+      const Image<float> expected = turned(counted(size), quarters);
+      const Image<float> image = turned_by(counted(size), quarters * 90.0 * kDegree, -1.0f);
+      for (int v = 0; v < size; ++v) {
+        for (int u = 0; u < size; ++u) EXPECT_EQ(image(u, v), expected(u, v)) << quarters << ' ' << size;
+      }
+    }
+    const PatchPoint expected = turned(PatchPoint{0.25, -0.5, 0.3}, quarters);
+    const PatchPoint point = turned_by(PatchPoint{0.25, -0.5, 0.3}, quarters * 90.0 * kDegree);
+    EXPECT_NEAR(point.u, expected.u, 1e-12);
+    EXPECT_NEAR(point.v, expected.v, 1e-12);
+    EXPECT_EQ(point.d, 0.3);
+  }
+}
+
+TEST(TurnedPatch, ByAnyAngleEachPixelIsTheNearest) {
+  constexpr int kSize = 21;
+  constexpr double kMiddle = 10.0;
+  const Image<float> image = [&] {  // each pixel says where it was
+    Image<float> places(kSize, kSize);
+    for (int v = 0; v < kSize; ++v) {
+      for (int u = 0; u < kSize; ++u) places(u, v) = static_cast<float>(100 * v + u);
+    }
+    return places;
+  }();
+  for (const double degrees : {-67.0, -40.0, 13.0, 30.0}) {
+    const Image<float> other = turned_by(image, degrees * kDegree, -1.0f);
+    int inside = 0;
+    for (int v = 0; v < kSize; ++v) {
+      for (int u = 0; u < kSize; ++u) {
+        if (other(u, v) < 0.0f) {
+          EXPECT_GT(std::hypot(u - kMiddle, v - kMiddle), kMiddle) << "nothing is lost within the circle";
+          continue;
+        }
+        const int from = static_cast<int>(other(u, v));
+        const PatchPoint there =
+            turned_by(PatchPoint{from % 100 - kMiddle, from / 100 - kMiddle, 0.0}, degrees * kDegree);
+        EXPECT_LE(std::hypot(there.u - (u - kMiddle), there.v - (v - kMiddle)), std::sqrt(0.5) + 1e-9);
+        ++inside;
+      }
+    }
+    EXPECT_GT(inside, 300) << "of " << kSize * kSize;
   }
 }
 

@@ -74,12 +74,12 @@ PipelineParts parts_from(const OptionTable& document, std::unique_ptr<Estimator>
   return parts;
 }
 
-/// The mean of a pose's confidences; 1 where the method gives none, and so no reason to doubt.
-double mean_confidence(const HandPose& pose) {
-  if (pose.confidence.empty()) return 1.0;
+/// 1 where the method gives none, and so no reason to doubt.
+double mean_confidence(const std::vector<float>& confidences) {
+  if (confidences.empty()) return 1.0;
   double sum = 0.0;
-  for (const float confidence : pose.confidence) sum += confidence;
-  return sum / static_cast<double>(pose.confidence.size());
+  for (const float confidence : confidences) sum += confidence;
+  return sum / static_cast<double>(confidences.size());
 }
 
 void calibrate(std::vector<float>& confidences, const HandOptions& options) {
@@ -303,22 +303,28 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
                                                     StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
-  PoseSeen seen = pose_in_patch(*patch, times);
+  PatchPose in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
-    const ImagePoint centre = mean_joint(seen.pose);
+    const ImagePoint centre = mean_joint(pose_in_image(in_patch, estimator_->convention(), patch->geometry));
     if ((Projection(frame.camera).to_camera(centre) - region.centre).norm() < kSettledMm) break;
-    patch = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
-    if (!patch) break;
-    seen = pose_in_patch(*patch, times);
+    auto nearer = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
+    if (!nearer) break;
+    patch = std::move(nearer);
+    in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
+  const double witnessed = score_of(in_patch, region);
+  if (witnessed >= finder_.hand().sure_confidence) {
+    in_patch = timed(times.estimate_ms, [&] { return estimator_->ascertained(*patch, std::move(in_patch)); });
+  }
+  HandPose pose = pose_in_image(in_patch, estimator_->convention(), patch->geometry);
   HandEstimate hand;
-  hand.side_confidence = seen.right_hand;
+  hand.side_confidence = in_patch.right_hand;
   double plausibility = 1.0;
   timed(times.refine_ms, [&] {
     for (const auto& refiner : refiners_) {
-      RefinedHand refined = refiner->refine(frame, region, std::move(seen.pose));
-      seen.pose = std::move(refined.pose);
+      RefinedHand refined = refiner->refine(frame, region, std::move(pose));
+      pose = std::move(refined.pose);
       plausibility *= refined.plausibility;
       if (!refined.angles) continue;
       hand.angles = refined.angles;
@@ -326,15 +332,18 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     }
     return true;
   });
-  // Who sees the pose is one witness; who found the place, and how well a hand model fits, count by half.
-  const double others = std::sqrt(region.likelihood.value_or(1.0) * plausibility);
+  hand.score = witnessed * std::sqrt(plausibility);
   hand.region = std::move(region);
-  const double is_hand = std::pow(seen.hand.value_or(1.0), finder_.hand().hand_weight);
-  hand.score = others * is_hand * mean_confidence(seen.pose);
-  calibrate(seen.pose.confidence, finder_.hand());
-  hand.pose = landmarks_ ? defined_pose(*landmarks_, seen.pose, Projection(frame.camera), HandSide::right)
-                         : std::move(seen.pose);
+  calibrate(pose.confidence, finder_.hand());
+  hand.pose = landmarks_ ? defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right)
+                         : std::move(pose);
   return hand;
+}
+
+/// Who sees the pose is one witness; who found the place counts by half, as does how well a hand model fits.
+double Pipeline::score_of(const PatchPose& pose, const HandRegion& region) const {
+  const double is_hand = std::pow(pose.hand.value_or(1.0), finder_.hand().hand_weight);
+  return std::sqrt(region.likelihood.value_or(1.0)) * is_hand * mean_confidence(pose.confidence);
 }
 
 HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& centre,
@@ -345,14 +354,6 @@ HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& cent
   region.side = before.side;
   region.likelihood = before.likelihood;
   return region;
-}
-
-Pipeline::PoseSeen Pipeline::pose_in_patch(const HandPatch& patch, StageTimes& times) const {
-  return timed(times.estimate_ms, [&] {
-    const PatchPose pose = estimator_->estimate(patch);
-    return PoseSeen{pose_in_image(pose, estimator_->convention(), patch.geometry), pose.right_hand,
-                    pose.hand};
-  });
 }
 
 }  // namespace knuckle

@@ -120,13 +120,6 @@ class Pipeline {
   FrameEstimate estimate(const Frame& frame, const Search& search) const;
 
  private:
-  /// A pose, and how likely it is that of a right hand.
-  struct PoseSeen {
-    HandPose pose;
-    std::optional<double> right_hand;
-    std::optional<double> hand;
-  };
-
   static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
@@ -140,7 +133,7 @@ class Pipeline {
   std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
                                            StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
-  PoseSeen pose_in_patch(const HandPatch& patch, StageTimes& times) const;
+  double score_of(const PatchPose& pose, const HandRegion& region) const;
 
   std::string resolved_options_;
   HandFinder finder_;

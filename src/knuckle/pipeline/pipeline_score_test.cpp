@@ -104,6 +104,43 @@ class DoubtfulEstimator final : public Estimator {
   PatchExtractor patches_{{.size_px = 10}};
 };
 
+/// Sees the palm in the corner, and at another look in the middle, less surely.
+class AscertainingEstimator final : public Estimator {
+ public:
+  explicit AscertainingEstimator(int* asked) : asked_(asked) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override { return corner_.estimate(patch); }
+  PatchPose ascertained(const HandPatch& patch, PatchPose seen) const override {
+    ++*asked_;
+    EXPECT_EQ(patch.pixels.width(), patches().options().size_px);
+    EXPECT_EQ(seen.joints.at(0).u, -1.0);
+    return {{{0.0, 0.0, 0.0}}, {0.25f}};
+  }
+
+ private:
+  CornerEstimator corner_;
+  int* asked_;
+};
+
+TEST(PipelineFromParts, OnlyWhatMayBeAHandIsAscertained) {
+  const auto estimate = [](double sure_confidence, int* asked) {
+    const HandOptions hand{.sure_confidence = sure_confidence};
+    return Pipeline({HandFinder(std::make_unique<AllSegmenter>(), hand),
+                     std::make_unique<AscertainingEstimator>(asked)})
+        .estimate(plate(), {.start = Point3(1.0, 2.0, 3.0)});
+  };
+  int asked = 0;
+  const HandEstimate seen_once = estimate(0.51, &asked).hands.at(0);
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(seen_once.pose.confidence[0], 0.5f);
+  const HandEstimate seen_twice = estimate(0.5, &asked).hands.at(0);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(seen_twice.pose.confidence[0], 0.25f);
+  EXPECT_GT(seen_twice.pose.joints[0].u, seen_once.pose.joints[0].u);
+  EXPECT_DOUBLE_EQ(seen_twice.score, seen_once.score) << "whether it is a hand is decided by the first look";
+}
+
 TEST(PipelineFromParts, AScoreIsTheMeanConfidence) {
   const Pipeline pipeline(
       {HandFinder(std::make_unique<AllSegmenter>()), std::make_unique<DoubtfulEstimator>()});
