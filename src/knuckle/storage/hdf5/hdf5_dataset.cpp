@@ -113,10 +113,10 @@ void Hdf5Dataset::read_layout(const std::vector<Hdf5Message>& messages) {
   if (kind == kCompact) {
     const std::span<const std::uint8_t> values = cursor.take(cursor.u16());
     compact_.emplace(values.begin(), values.end());
-    stored_bytes_ = values.size();
+    piece_bytes_ = values.size();
   } else if (kind == kInOnePiece) {
     address_ = cursor.address();
-    stored_bytes_ = cursor.length();
+    piece_bytes_ = cursor.length();
   } else if (kind == kChunked) {
     read_chunk_shape(cursor);
   } else {
@@ -127,7 +127,7 @@ void Hdf5Dataset::read_layout(const std::vector<Hdf5Message>& messages) {
 void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
   const std::size_t sides = cursor.u8();
   if (shape_.empty() || sides != shape_.size() + 1) fault("its chunks have another shape");
-  const std::optional<std::uint64_t> tree = cursor.address();
+  chunk_tree_ = cursor.address();
   std::uint64_t bytes = number_.bytes;
   for (std::size_t d = 0; d < shape_.size(); ++d) {
     chunk_.push_back(cursor.u32());
@@ -139,8 +139,18 @@ void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
   }
   chunk_bytes_ = static_cast<std::size_t>(bytes);
   check_chunks_fit();
-  chunks_ = Hdf5Chunks(*file_, tree, shape_, chunk_);
-  stored_bytes_ = chunks_.stored_bytes();
+  chunks_ = std::make_unique<ChunksOnce>();
+}
+
+const Hdf5Chunks& Hdf5Dataset::chunks() const {
+  std::call_once(chunks_->is_read,
+                 [&] { chunks_->chunks = Hdf5Chunks(*file_, chunk_tree_, shape_, chunk_); });
+  return chunks_->chunks;
+}
+
+/// Of all values.
+std::uint64_t Hdf5Dataset::stored_bytes() const {
+  return chunk_.empty() ? piece_bytes_ : chunks().stored_bytes();
 }
 
 /// Chunks may reach beyond the array, but what is read in vain must not be many times the array.
@@ -210,14 +220,24 @@ void Hdf5Dataset::read_fill_value(const std::vector<Hdf5Message>& messages) {
   fill_value_.assign(value.begin(), value.end());
 }
 
+const std::vector<std::uint64_t>& Hdf5Dataset::checked_shape() const {
+  (void)count_within(chunk_.empty() ? piece_bytes_ : file_->size());
+  return shape_;
+}
+
 std::size_t Hdf5Dataset::checked_count() const {
+  return count_within(stored_bytes());
+}
+
+/// Number of values, of which no more than `stored_bytes` are in the file.
+std::size_t Hdf5Dataset::count_within(std::uint64_t stored_bytes) const {
   const std::uint64_t count = value_count(shape_);
   const std::uint64_t bytes = saturated_product(count, number_.bytes);
   // What was never written takes no room; only little may be so.
   constexpr std::uint64_t kUnwrittenBytes = std::uint64_t{64} << 20;
   const std::uint64_t expansion = !chunk_.empty() && deflate_ >= 0 ? kMostInflation : 1;
   const bool may_be_unwritten = !chunk_.empty() || (!address_ && !compact_);
-  const std::uint64_t most = std::max(saturated_product(std::min(file_->size(), stored_bytes_), expansion),
+  const std::uint64_t most = std::max(saturated_product(std::min(file_->size(), stored_bytes), expansion),
                                       may_be_unwritten ? kUnwrittenBytes : 0);
   if (bytes > most || bytes > saturated_product(file_->size(), kMostInflation)) {
     fault(fmt::format("declares {} values, more than a file of {} bytes can hold; it is damaged", count,
@@ -270,7 +290,7 @@ void Hdf5Dataset::read_chunks(std::uint64_t first, std::uint64_t count, std::spa
   std::vector<std::uint64_t> place(shape_.size(), 0);
   place[0] = first / chunk_[0] * chunk_[0];
   do {
-    const Hdf5Chunk* const written = chunks_.find(place);
+    const Hdf5Chunk* const written = chunks().find(place);
     if (written == nullptr) continue;
     copy_lines(shape_, chunk_, number_.bytes, place, chunk(*written), first, count, to.data());
   } while (advance(shape_, chunk_, first, first + count, place));

@@ -62,9 +62,7 @@ bool Hdf5File::has(std::string_view dataset) const {
 }
 
 std::vector<std::uint64_t> Hdf5File::shape(std::string_view dataset) const {
-  const Hdf5Dataset& found = content_->dataset(dataset);
-  (void)found.checked_count();
-  return found.shape();
+  return content_->dataset(dataset).checked_shape();
 }
 
 template <class T>
