@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
+
+#include "knuckle/pipeline/hand_finder.h"
 
 namespace knuckle {
 
@@ -10,6 +13,15 @@ namespace knuckle {
 inline double calibrated_confidence(double confidence, double offset, double slope) {
   if (!(confidence > 0.0) || confidence >= 1.0) return confidence;
   return 1.0 / (1.0 + std::exp(-offset) * std::pow((1.0 - confidence) / confidence, slope));
+}
+
+/// Calibrates the confidences of a hand's joints in place, as the options say.
+inline void calibrate(std::vector<float>& confidences, const HandOptions& options) {
+  if (options.confidence_offset == 0.0 && options.confidence_slope == 1.0) return;
+  for (float& confidence : confidences) {
+    confidence = static_cast<float>(
+        calibrated_confidence(confidence, options.confidence_offset, options.confidence_slope));
+  }
 }
 
 }  // namespace knuckle

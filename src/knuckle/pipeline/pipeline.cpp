@@ -82,14 +82,6 @@ double mean_confidence(const std::vector<float>& confidences) {
   return sum / static_cast<double>(confidences.size());
 }
 
-void calibrate(std::vector<float>& confidences, const HandOptions& options) {
-  if (options.confidence_offset == 0.0 && options.confidence_slope == 1.0) return;
-  for (float& confidence : confidences) {
-    confidence = static_cast<float>(
-        calibrated_confidence(confidence, options.confidence_offset, options.confidence_slope));
-  }
-}
-
 /// Two regions whose centres are nearer than that are the same thing: no two palms can be.
 constexpr double kSamePlaceMm = 50.0;
 /// Of a known hand's middle: what is nearer is that hand.
@@ -191,7 +183,15 @@ FrameEstimate Pipeline::estimate(const Frame& frame) const {
 }
 
 FrameEstimate Pipeline::estimate(const Frame& frame, const Search& search) const {
-  if (!finder_.hand().is_left()) return estimate_right(frame, search);
+  FrameEstimate result =
+      finder_.hand().is_left() ? estimate_left(frame, search) : estimate_right(frame, search);
+  if (search.calibrate) {
+    for (HandEstimate& hand : result.hands) calibrate(hand.pose.confidence, finder_.hand());
+  }
+  return result;
+}
+
+FrameEstimate Pipeline::estimate_left(const Frame& frame, const Search& search) const {
   const int width = frame.camera.width;
   FrameEstimate result = estimate_right(mirrored(frame), in_mirror(search));
   for (HandEstimate& hand : result.hands) hand = mirrored_back(std::move(hand), width);
@@ -334,7 +334,6 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   });
   hand.score = witnessed * std::sqrt(plausibility);
   hand.region = std::move(region);
-  calibrate(pose.confidence, finder_.hand());
   hand.pose = landmarks_ ? defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right)
                          : std::move(pose);
   return hand;

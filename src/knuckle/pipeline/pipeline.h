@@ -67,6 +67,8 @@ struct Search {
   /// Middles of hands that are known already, in camera coordinates [mm]. A place that is found within 80 mm
   /// of one counts as a hand, and is not looked at.
   std::vector<Point3> known = {};
+  bool calibrate =
+      true;  ///< false: joints' confidences are what the estimator says, for one that weighs by them
 };
 
 /// What a pipeline is put together from: stages that come with Knuckle, or your own (docs/extending.md).
@@ -121,6 +123,7 @@ class Pipeline {
 
  private:
   static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
+  FrameEstimate estimate_left(const Frame& frame, const Search& search) const;
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(const HandEstimate& hand) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,

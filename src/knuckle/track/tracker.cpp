@@ -8,6 +8,7 @@
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/pipeline/calibrated_confidence.h"
 #include "knuckle/refine/skeleton_pose.h"
 #include "knuckle/track/hand_track.h"
 #include "knuckle/track/hand_track_fit.h"
@@ -26,7 +27,7 @@ constexpr double kSkinReachMm = 15.0;        // what is seen of a hand is no far
 constexpr int kMostTrust = 4;  // searches of all of a frame that found a hand where one is followed
 
 /// The hand as it was smoothed.
-TrackedHand tracked(const HandTrack& track, const Projection& projection) {
+TrackedHand tracked(const HandTrack& track, const Projection& projection, const HandOptions& options) {
   TrackedHand hand;
   hand.id = track.id;
   hand.side = track.side();
@@ -37,6 +38,7 @@ TrackedHand tracked(const HandTrack& track, const Projection& projection) {
   hand.lengths = track.smoothed.lengths;
   hand.pose = HandPose::missing(superset_convention());
   hand.pose.confidence = track.confidence;
+  calibrate(hand.pose.confidence, options);
   const auto points = landmarks(adult_skeleton(), track.smoothed);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].z() > 0.0) hand.pose.joints[i] = projection.to_image(in_mirror(points[i], hand.side));
@@ -112,7 +114,7 @@ void Tracker::follow(const Frame& frame) {
     std::optional<Frame> alone;
     if (!neighbours.empty()) alone = without_hands(frame, neighbours, track.skin_at(*now_s_), kSkinReachMm);
     const Frame& seen = alone ? *alone : frame;
-    Search search{.start = predicted, .elsewhere = false, .max_hands = 1};
+    Search search{.start = predicted, .elsewhere = false, .max_hands = 1, .calibrate = false};
     FrameEstimate found = pipeline_.estimate(seen, search);
     if (!found.hands.empty() && !track.agree_on_side(found.hands.front().side, *now_s_)) {
       search.side = track.side();
@@ -150,8 +152,8 @@ bool Tracker::is_search_due() const {
 void Tracker::look_for_more(const Frame& frame) {
   if (!is_search_due()) return;
   searched_s_ = now_s_;
-  FrameEstimate found =
-      pipeline_.estimate(frame, {.max_hands = pipeline_.hand().max_hands, .known = middles_seen()});
+  FrameEstimate found = pipeline_.estimate(
+      frame, {.max_hands = pipeline_.hand().max_hands, .known = middles_seen(), .calibrate = false});
   for (const HandRegion& region : found.known) {
     if (HandTrack* const track = seen_near(region.centre)) track->is_found_again = true;
   }
@@ -182,7 +184,8 @@ void Tracker::look_beside_hands(const Frame& frame) {
   }
   if (missing <= 0 || skins.empty()) return;
   const Frame rest = without_hands(frame, skins, {}, kSkinReachMm);
-  for (const HandEstimate& hand : pipeline_.estimate(rest, {.max_hands = missing}).hands) {
+  for (const HandEstimate& hand :
+       pipeline_.estimate(rest, {.max_hands = missing, .calibrate = false}).hands) {
     const Point3 middle = middle_of(hand, frame);
     if (!middle.allFinite() || seen_near(middle) != nullptr || is_on_forearm(middle)) continue;
     const HandTrack* const lost = lost_near(middle);
@@ -287,7 +290,7 @@ std::vector<TrackedHand> Tracker::hands_seen(const Frame& frame) const {
   std::vector<TrackedHand> hands;
   const Projection projection(frame.camera);
   for (const HandTrack& track : tracks_) {
-    if (track.is_seen_at(*now_s_)) hands.push_back(tracked(track, projection));
+    if (track.is_seen_at(*now_s_)) hands.push_back(tracked(track, projection, pipeline_.hand()));
   }
   return hands;
 }

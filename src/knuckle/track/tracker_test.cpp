@@ -93,6 +93,25 @@ TEST_F(TrackerTest, AHandThatIsUnsureForAMomentKeepsItsId) {
   }
 }
 
+TEST_F(TrackerTest, ConfidencesAreCalibratedWhereTheyComeOutAndTheFitDoesWithoutThat) {
+  const Pipeline plain = pipeline(1);
+  const Pipeline calibrated = pipeline(1, -1.5);
+  Tracker one(plain, {});
+  Tracker other(calibrated, {});
+  world_.hands = {{}};
+  world_.hands[0].confidence = 0.8f;
+  for (int i = 0; i < 3; ++i) {
+    const auto before = one.update(frame_at(i / 30.0));
+    const auto after = other.update(frame_at(i / 30.0));
+    ASSERT_EQ(before.size(), 1u);
+    ASSERT_EQ(after.size(), 1u) << "0.8 is sure, 0.47 would hardly be";
+    EXPECT_FLOAT_EQ(before[0].pose.confidence[5], 0.8f);
+    EXPECT_NEAR(after[0].pose.confidence[5], 1.0 / (1.0 + std::exp(1.5) / 4.0), 1e-6);
+    EXPECT_EQ(after[0].angles.radians, before[0].angles.radians);
+    EXPECT_EQ(after[0].score, before[0].score);
+  }
+}
+
 TEST_F(TrackerTest, BonesKeepTheirLengthOnceThePersonIsKnown) {
   const Pipeline one = pipeline(1);
   Tracker tracker(one, {.learn_s = 0.5});
