@@ -22,21 +22,23 @@ def sum_of(content):
     return f"{zlib.crc32(content):08x}{zlib.adler32(content):08x}".encode()
 
 
-def add_entry(archive, name, content):
+def add_entry(archive, name, content, compact=True):
     entry = zipfile.ZipInfo(name)  # without a time: the same content makes the same bytes
-    smaller = len(zlib.compress(content, 9)) - 6 < len(content)
+    smaller = compact and len(zlib.compress(content, 9)) - 6 < len(content)
     entry.compress_type = zipfile.ZIP_DEFLATED if smaller else zipfile.ZIP_STORED
     archive.writestr(entry, content, compresslevel=9)
 
 
-def description_of(array):
+def description_of(array, compact=True):
     description = {"type": array.dtype.name, "shape": list(array.shape)}
-    return description | ({"shuffled": True} if array.dtype.itemsize > 1 else {})
+    return description | ({"shuffled": True} if compact and array.dtype.itemsize > 1 else {})
 
 
-def content_of(array):
-    """Little-endian numbers; the first bytes of all, then the second bytes of all, ..."""
+def content_of(array, compact=True):
+    """Little-endian numbers; where compact, the first bytes of all, then the second bytes of all, ..."""
     numbers = array.astype(array.dtype.newbyteorder("<")).tobytes()
+    if not compact:
+        return numbers
     return np.frombuffer(numbers, np.uint8).reshape(-1, array.dtype.itemsize).T.tobytes()
 
 
@@ -47,28 +49,29 @@ def array_of(description, content):
     return np.frombuffer(content, number).reshape(description["shape"])
 
 
-def file_bytes(file_format, version, values, arrays):
-    """The bytes of a file with these values (texts, numbers, lists of texts) and numpy arrays."""
+def file_bytes(file_format, version, values, arrays, compact=True):
+    """The bytes of a file with these values (texts, numbers, lists of texts) and numpy arrays. Not compact, as networks are:
+    arrays are stored as they are, for quick reading."""
     arrays = {name: np.ascontiguousarray(array) for name, array in sorted(arrays.items())}
     header = {
         "format": file_format,
         "version": version,
         "values": values,
-        "arrays": {name: description_of(array) for name, array in arrays.items()},
+        "arrays": {name: description_of(array, compact) for name, array in arrays.items()},
     }
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         add_entry(archive, HEADER, json.dumps(header, indent=1).encode() + b"\n")
         for name, array in arrays.items():
-            add_entry(archive, name, content_of(array))
+            add_entry(archive, name, content_of(array, compact), compact)
         archive.comment = SUM_MARK + b"0" * SUM_DIGITS
     content = stream.getvalue()[:-SUM_DIGITS]
     return content + sum_of(content)
 
 
-def write(path, file_format, version, values, arrays):
+def write(path, file_format, version, values, arrays, compact=True):
     """Writes the file; it appears only when whole."""
-    content = file_bytes(file_format, version, values, arrays)
+    content = file_bytes(file_format, version, values, arrays, compact)
     temporary = f"{path}.{secrets.token_hex(8)}.partial"
     try:
         with open(temporary, "xb") as file:
