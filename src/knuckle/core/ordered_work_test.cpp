@@ -65,7 +65,9 @@ TEST(OrderedWorkTest, NoMoreJobsThanAllowedAreBetweenAskingAndDelivery) {
   };
   run_in_order(next, 5);
   EXPECT_LE(most, 5);
-  EXPECT_GE(most, 2) << "jobs were not done beside each other";
+  if (thread_count() > 1) {
+    EXPECT_GE(most, 2) << "jobs were not done beside each other";
+  }
   EXPECT_EQ(alive, 0);
 }
 

@@ -146,6 +146,27 @@ TEST_F(Hdf5FileTest, AnArrayLargerThanTheFileCanHoldIsRefusedBeforeMemoryIsTaken
   }
 }
 
+TEST_F(Hdf5FileTest, OfALargeArrayWhatItsChunksHoldIsCountedAndNoMore) {
+  constexpr std::size_t kRows = 80;  // of a mebibyte each: more than may be left unwritten
+  const std::vector<std::uint8_t> row(std::size_t{1} << 20, 7);
+  const auto write_rows = [&](const std::filesystem::path& to, std::size_t count) {
+    Hdf5Writer file = Hdf5Writer::create(to);
+    file.create_dataset<std::uint8_t>("rows", {kRows, row.size()}, {1, 1});
+    const std::vector<std::uint8_t> chunk = deflated(row);
+    for (std::size_t i = 0; i < count; ++i) file.write_chunk("rows", i, chunk);
+    file.close();
+  };
+  write_rows(folder / "whole.h5", kRows);
+  std::vector<std::uint8_t> back(row.size());
+  Hdf5File::open(folder / "whole.h5").read_rows("rows", kRows - 1, 1, back.data());
+  EXPECT_EQ(back, row);
+
+  write_rows(folder / "hardly.h5", 1);
+  const Hdf5File hardly = Hdf5File::open(folder / "hardly.h5");
+  EXPECT_THAT(error_of([&] { hardly.read_rows("rows", 0, 1, back.data()); }),
+              AllOf(HasSubstr("hardly.h5: rows"), HasSubstr("declares")));
+}
+
 TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
   const std::vector<std::uint16_t> row{7, 7, 7, 7, 300, 0, 65535, 7};
   {
