@@ -373,10 +373,14 @@ TEST_F(McapTest, FramesComeInTheOrderOfTheirStamps) {
 }
 
 TEST_F(McapTest, WithoutStampsTheTimeIsThatOfRecording) {
-  McapTestWriter mcap;
-  mcap.add(kMcapInfo, kMcapCameraInfo, 0.0, camera_info_of({}));
-  mcap.add(kMcapDepth, kMcapImage, 12.5, image_of({}, 500));
-  EXPECT_EQ(open(mcap).read(0).time_s, 12.5);
+  // Without indexes or chunks it stands with each message alone.
+  for (const McapTestForm& form :
+       {McapTestForm{}, McapTestForm{.has_indexes = false}, McapTestForm{.has_chunks = false}}) {
+    McapTestWriter mcap(form);
+    mcap.add(kMcapInfo, kMcapCameraInfo, 0.0, camera_info_of({}));
+    mcap.add(kMcapDepth, kMcapImage, 12.5, image_of({}, 500));
+    EXPECT_EQ(open(mcap).read(0).time_s, 12.5) << form.has_indexes << form.has_chunks;
+  }
 }
 
 TEST_F(McapTest, ReadsBothOrdersOfBytesOfMessagesAndImages) {
