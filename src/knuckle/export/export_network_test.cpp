@@ -172,6 +172,15 @@ TEST(Export, TheSameNetworkMakesTheSameBytes) {
   EXPECT_EQ(onnx_bytes(onnx_of(weights)), onnx_bytes(onnx_of(weights)));
 }
 
+TEST(Export, TheNamesOfTheLandmarksGoWithIt) {
+  NetworkOptions options = options_of("dense");
+  options.convention = "nyu14";
+  const std::string names = onnx_of(random_weights(options, 1)).metadata.at("knuckle.landmarks");
+  EXPECT_EQ(std::ranges::count(names, ','), 13);
+  EXPECT_THAT(names,
+              ::testing::AllOf(::testing::StartsWith("little_tip, "), ::testing::HasSubstr(", thumb_tip, ")));
+}
+
 TEST(Export, WhatIsNoNetworkIsSaid) {
   const testing::TemporaryFolder folder;
   const auto fault = [&](const std::filesystem::path& model) {

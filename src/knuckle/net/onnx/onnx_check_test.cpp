@@ -37,6 +37,17 @@ TEST(OnnxCheck, KnowsTheShapesThatOperatorsMake) {
     EXPECT_TRUE(seen.contains(name)) << name << " has no case";
 }
 
+TEST(OnnxCheck, APoolRoundsItsSizesUpWhereItSaysSo) {
+  const auto pooled = [](std::int64_t ceil_mode) {
+    const OnnxModel model =
+        one_node("MaxPool", kImage, {},
+                 {{"kernel_shape", Integers{3, 3}}, {"strides", Integers{2, 2}}, {"ceil_mode", ceil_mode}});
+    return checked_onnx(model, "net.onnx").outputs.front().shape;
+  };
+  EXPECT_THAT(pooled(0), ElementsAre(1, 2, 2, 3));
+  EXPECT_THAT(pooled(1), ElementsAre(1, 2, 3, 4));
+}
+
 TEST(OnnxCheck, WhatIsOpenAtFirstIsOne) {
   EXPECT_THAT(checked_onnx(one_node("Relu", {kOpenSize, 1, 4, 4}), "net.onnx").inputs.front().shape,
               ElementsAre(1, 1, 4, 4));
