@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "knuckle/core/portable_math.h"
+
 namespace knuckle {
 namespace {
 
@@ -49,8 +51,8 @@ Image<float> turned_by(const Image<float>& square, double radians, float backgro
 }
 
 PatchPoint turned_by(const PatchPoint& point, double radians) {
-  const double cosine = std::cos(radians);
-  const double sine = std::sin(radians);
+  const double cosine = portable_cos(radians);
+  const double sine = portable_sin(radians);
   return {cosine * point.u - sine * point.v, sine * point.u + cosine * point.v, point.d};
 }
 
