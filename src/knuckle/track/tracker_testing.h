@@ -118,12 +118,12 @@ class StraightEstimator final : public Estimator {
 class TrackerTest : public ::testing::Test {
  protected:
   Pipeline pipeline(int max_hands, double confidence_offset = 0.0) {
-    return Pipeline({HandFinder(std::make_unique<TrueSegmenter>(world_),
-                                {.side = "auto",
-                                 .max_hands = max_hands,
-                                 .sure_confidence = 0.45,
-                                 .confidence_offset = confidence_offset}),
-                     std::make_unique<StraightEstimator>(world_)});
+    return Pipeline(
+        {HandFinder(std::make_unique<TrueSegmenter>(world_), {.side = "auto",
+                                                              .max_hands = max_hands,
+                                                              .sure_confidence = 0.45,
+                                                              .confidence_offset = confidence_offset}),
+         std::make_unique<StraightEstimator>(world_)});
   }
   Frame frame_at(double time_s) const {
     Frame frame = blank_frame(symmetric_camera());
