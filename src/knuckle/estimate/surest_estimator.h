@@ -20,9 +20,8 @@ struct SurestEstimatorOptions {
   /// Looks of the last one at a patch of which nobody is sure enough, [1, 4]: the second upside down, the
   /// third and fourth by a quarter turn.
   int views = 1;
-  /// A pose that is kept is the mean of two looks, of which one is turned in the image plane by so much
-  /// [deg],
-  /// [-90, 90]; 0: a single look counts.
+  /// A pose that is kept is the mean of two looks, of which one is turned in the image plane by so much, in
+  /// degrees, [-90, 90]; 0: a single look counts.
   double second_look_deg = 0.0;
 
   void visit(OptionVisitor& visitor);

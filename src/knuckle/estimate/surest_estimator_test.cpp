@@ -158,8 +158,8 @@ TEST(SurestEstimator, WhereNothingIsSureThePatchIsTurned) {
   }
 }
 
-/// Finds the brightest pixel of what it is shown and says that all joints are there; its confidence and its
-/// side are those of `unturned` where that pixel is in the image's upper half, else those of `turned`.
+/// Finds the brightest pixel of what it is shown and says that all joints are there; how sure it is, and of
+/// which side, depends on the half of the image, upper or lower, in which that pixel lies.
 class FindsBrightest final : public Estimator {
  public:
   struct Opinion {

@@ -18,6 +18,17 @@ Image<float> turned_once(const Image<float>& square) {
   return result;
 }
 
+/// A turn by an angle [rad], whose sine and cosine all points share.
+struct Turn {
+  double cosine;
+  double sine;
+
+  explicit Turn(double radians) : cosine(portable_cos(radians)), sine(portable_sin(radians)) {}
+  PatchPoint of(const PatchPoint& point) const {
+    return {cosine * point.u - sine * point.v, sine * point.u + cosine * point.v, point.d};
+  }
+};
+
 }  // namespace
 
 Image<float> turned(const Image<float>& square, int quarters) {
@@ -37,10 +48,11 @@ Image<float> turned_by(const Image<float>& square, double radians, float backgro
   assert(square.width() == square.height());
   const int size = square.width();
   const double middle = 0.5 * (size - 1);
+  const Turn back(-radians);
   Image<float> result(size, size, background);
   for (int v = 0; v < size; ++v) {
     for (int u = 0; u < size; ++u) {
-      const PatchPoint from = turned_by(PatchPoint{u - middle, v - middle, 0.0}, -radians);
+      const PatchPoint from = back.of({u - middle, v - middle, 0.0});
       const double column = std::floor(from.u + middle + 0.5);
       const double row = std::floor(from.v + middle + 0.5);
       if (column < 0.0 || row < 0.0 || column >= size || row >= size) continue;
@@ -51,9 +63,7 @@ Image<float> turned_by(const Image<float>& square, double radians, float backgro
 }
 
 PatchPoint turned_by(const PatchPoint& point, double radians) {
-  const double cosine = portable_cos(radians);
-  const double sine = portable_sin(radians);
-  return {cosine * point.u - sine * point.v, sine * point.u + cosine * point.v, point.d};
+  return Turn(radians).of(point);
 }
 
 }  // namespace knuckle

@@ -20,8 +20,7 @@ class Hdf5Dataset {
  public:
   /// The array whose header lies at that address. Throws an Error that names file and array where it is
   /// damaged, no array of numbers, or stored in another way than in one piece or in chunks that shuffle and
-  /// deflate made. Where its chunks lie is read with the first values: to open a set of 400,000 frames takes
-  /// no longer than one of a few.
+  /// deflate made. Where its chunks lie is read with the first values.
   Hdf5Dataset(const Hdf5Bytes& file, std::string name, std::uint64_t address);
 
   /// Throws where the array is larger than any that a file of this size can hold.
