@@ -13,6 +13,7 @@
 #include "knuckle/synth/scene/clothes.h"
 #include "knuckle/synth/scene/contacts.h"
 #include "knuckle/synth/scene/second_hand.h"
+#include "knuckle/synth/scene/stump.h"
 #include "knuckle/synth/scene/surroundings.h"
 
 namespace knuckle {
@@ -27,6 +28,7 @@ constexpr std::uint64_t kBand = 2;
 constexpr std::uint64_t kAround = 3;
 constexpr std::uint64_t kSecond = 4;
 constexpr std::uint64_t kHeld = 5;
+constexpr std::uint64_t kStump = 6;
 
 Point3 elbow_of(const ShapedBody& person, const BodyPose& pose, const Landmarks& landmarks) {
   const auto found = std::ranges::find(person.body->names, "lowerarm01.R");
@@ -110,7 +112,8 @@ std::vector<Eigen::Vector3f> places_along(const HandPath& path, double phase,
 /// What a scene is about.
 struct SceneRenderer::SceneKind {
   bool is_empty = false;        ///< there is no hand
-  bool has_trunk = true;        ///< an empty scene may still show a face
+  bool has_trunk = true;        ///< an empty scene may still show a face,
+  std::optional<Stump> stump;   ///< and an arm that ends here
   std::optional<float> cut_mm;  ///< the arm ends here, along the arm; then there is nothing else
 };
 
@@ -174,6 +177,11 @@ SceneRenderer::SceneKind SceneRenderer::kind_of(std::uint64_t seed) const {
   const bool is_cut = !kind.is_empty && draw < options_.empty_share + options_.cut_share;
   const auto cut_mm = static_cast<float>(random.uniform(-10.0, 60.0));
   if (is_cut) kind.cut_mm = cut_mm;
+  Random for_stump(seed, kStump);
+  if (kind.is_empty && for_stump.uniform() < options_.stump_share) {
+    kind.has_trunk = true;
+    kind.stump = sampled_stump(for_stump);
+  }
   return kind;
 }
 
@@ -246,8 +254,8 @@ void SceneRenderer::add_person(Drawing& drawing, const Cast& cast, const SceneKi
   const bool is_trunk_posed = posed > limb_vertices_;
   if (is_trunk_posed && kind.has_trunk)
     drawing.add_faces(drawing.second ? armless_faces_ : trunk_faces_, PixelLabel::person);
-  if (!drawing.has_hand) return;
-  drawing.add_faces(arm_faces_, PixelLabel::person);
+  if (!drawing.has_hand && !kind.stump) return;
+  drawing.add_faces(kind.stump ? limb_faces_ : arm_faces_, PixelLabel::person);
   const std::vector<Eigen::Vector3f> skin = drawing.mesh.vertices;  // clothes come into the same mesh
   dress(drawing, cast, skin, limb_faces_);
   if (!drawing.second) return;
@@ -269,14 +277,19 @@ void SceneRenderer::add_things(Drawing& drawing, const Cast& cast) const {
 }
 
 SceneRenderer::Drawing SceneRenderer::drawing_of(const Cast& cast, bool may_have_second) const {
-  const SceneKind kind = kind_of(cast.seed);
+  SceneKind kind = kind_of(cast.seed);
+  if (cast.person.along_mm->empty()) kind.stump.reset();  // nobody knows where this body's arm is
   const BodyRig& rig = *cast.person.rig;
   const PlacedPosture& now = cast.postures.now;
   const BodyPose pose = rig.pose(now.posture, now.camera_from_body);
   const BodySection section =
       cast.person.culling->visible_section(bone_transforms(rig.person(), pose), cast.camera);
-  const PosedBody posed =
-      posed_body(rig.person(), pose, static_cast<std::size_t>(section.vertices), skinning_);
+  PosedBody posed = posed_body(rig.person(), pose, static_cast<std::size_t>(section.vertices), skinning_);
+  if (kind.stump) {
+    const Point3& wrist = posed.landmarks[static_cast<std::size_t>(Landmark::wrist)];
+    end_in_stump(posed.vertices, *cast.person.along_mm, *kind.stump, wrist.cast<float>(),
+                 elbow_of(rig.person(), pose, posed.landmarks).cast<float>());
+  }
   Drawing drawing;
   drawing.landmarks = posed.landmarks;
   drawing.mesh.vertices = posed.vertices;

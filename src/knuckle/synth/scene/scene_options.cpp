@@ -10,6 +10,7 @@ namespace knuckle {
 
 void SceneOptions::visit(OptionVisitor& visitor) {
   visitor.real("empty_share", empty_share, closed(0, 1));
+  visitor.real("stump_share", stump_share, closed(0, 1));
   visitor.real("room_share", room_share, closed(0, 1));
   visitor.real("table_share", table_share, closed(0, 1));
   visitor.real("rest_share", rest_share, closed(0, 1));
@@ -64,6 +65,9 @@ void check(const SceneOptions& options, std::string_view what) {
   }
   if (options.held_share == 0.0 && !options.grasps.empty()) {
     fail("{}: grasps are named, but held_share is 0: nothing is held", what);
+  }
+  if (options.empty_share == 0.0 && options.stump_share > 0.0) {
+    fail("{}: stump_share is {}, but empty_share is 0: every arm has its hand", what, options.stump_share);
   }
   if (options.empty_share + options.cut_share > 1.0) {
     fail("{}: empty_share and cut_share are {} and {}: together they are more than all frames", what,

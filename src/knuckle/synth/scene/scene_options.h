@@ -13,6 +13,7 @@ namespace knuckle {
 /// motion: of its sequences), each drawn for itself. By default there is nothing but the person.
 struct SceneOptions {
   double empty_share = 0.0;     ///< rooms without any hand, [0, 1]; not with a smooth motion
+  double stump_share = 0.0;     ///< of those: an arm is there that ends without a hand, [0, 1]
   double room_share = 0.0;      ///< floor, walls and ceiling around all, [0, 1]
   double table_share = 0.0;     ///< a table below the hand, [0, 1]
   double rest_share = 0.4;      ///< of the tables: the hand lies on it, [0, 1]
