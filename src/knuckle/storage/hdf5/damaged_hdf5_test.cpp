@@ -64,6 +64,32 @@ class DamagedHdf5 : public ::testing::Test {
       put(sides, 4 * static_cast<std::size_t>(i), static_cast<std::uint64_t>(side), 4);
     return place_of(sides) - 3 - 8;
   }
+  static std::string address_text(std::uint64_t address) {
+    std::string text(8, '\0');
+    put(text, 0, address, 8);
+    return text;
+  }
+  /// With a tree of 200 levels in place of another one, each of whose nodes leads twice to the one below, to
+  /// an empty one in the end: 2^200 visits. `told` is where the file says where the tree is.
+  std::string with_nest_for(std::size_t tree, std::size_t told, std::uint64_t kind,
+                            std::size_t key_bytes) const {
+    EXPECT_NE(tree, told);
+    std::string bytes = bytes_;
+    put(bytes, told, bytes.size(), 8);
+    for (std::uint64_t level = 201; level-- > 0;) {
+      std::string node(24 + 3 * key_bytes + 16, '\0');
+      std::memcpy(node.data(), "TREE", 4);
+      put(node, 4, kind, 1);
+      put(node, 5, level, 1);
+      put(node, 6, level > 0 ? 2 : 0, 2);
+      const std::uint64_t below = bytes.size() + node.size();
+      put(node, 24 + key_bytes, below, 8);
+      put(node, 24 + 2 * key_bytes + 8, below, 8);
+      bytes += node;
+    }
+    put(bytes, 40, bytes.size(), 8);  // the file's end
+    return bytes;
+  }
   static void put(std::string& bytes, std::size_t place, std::uint64_t number, std::size_t size) {
     std::memcpy(bytes.data() + place, &number, size);
   }
@@ -102,7 +128,7 @@ TEST_F(DamagedHdf5, CutAtAnyPlaceIsRefused) {
 }
 
 TEST_F(DamagedHdf5, ATreeThatLeadsBackToItselfEnds) {
-  // The only node of the chunks' tree becomes its own child, first of its own level, then of the next.
+  // The only node of the chunks' tree becomes its own child: first of its own level, then a leaf.
   std::size_t tree = place_of("TREE");
   while (bytes_[tree + 4] != 1) tree = place_of("TREE", tree + 1);
   constexpr std::size_t kFirstChild = 24 + 8 + 8 * 4;
@@ -113,31 +139,16 @@ TEST_F(DamagedHdf5, ATreeThatLeadsBackToItselfEnds) {
 }
 
 TEST_F(DamagedHdf5, NodesThatAreVisitedAgainAndAgainEnd) {
-  // 200 levels, each of whose nodes leads twice to the one below, to an empty one in the end: 2^200 visits.
-  std::size_t tree = place_of("TREE");
-  while (bytes_[tree + 4] != 1) tree = place_of("TREE", tree + 1);
-  constexpr std::size_t kKey = 8 + 8 * 4;
-  constexpr std::size_t kNode = 24 + 3 * kKey + 16;
-  std::string bytes = bytes_;
-  const std::size_t first = bytes.size();
-  for (std::uint64_t level = 201; level-- > 0;) {
-    std::string node(kNode, '\0');
-    std::memcpy(node.data(), "TREE", 4);
-    put(node, 4, 1, 1);
-    put(node, 5, level, 1);
-    put(node, 6, level > 0 ? 2 : 0, 2);
-    const std::uint64_t below = bytes.size() + kNode;
-    put(node, 24 + kKey, below, 8);
-    put(node, 24 + 2 * kKey + 8, below, 8);
-    bytes += node;
-  }
-  // The layout message holds the tree's address.
-  std::string address(8, '\0');
-  put(address, 0, tree, 8);
-  const std::size_t layout = place_of(address);
-  put(bytes, layout, first, 8);
-  put(bytes, 40, bytes.size(), 8);  // the file's end
-  EXPECT_THAT(fault_of(bytes), HasSubstr("a tree has more nodes than the file can hold"));
+  std::size_t chunks = place_of("TREE");
+  while (bytes_[chunks + 4] != 1) chunks = place_of("TREE", chunks + 1);
+  const std::string no_chunks = with_nest_for(chunks, place_of(address_text(chunks)), 1, 8 + 8 * 4);
+  EXPECT_THAT(fault_of(no_chunks), HasSubstr("chunks are not in order"));
+
+  std::size_t links = place_of("TREE");
+  while (bytes_[links + 4] != 0) links = place_of("TREE", links + 1);
+  constexpr std::size_t kSuperblock = 96;  // has the root's tree once more, which nobody asks for
+  const std::string no_links = with_nest_for(links, place_of(address_text(links), kSuperblock), 0, 8);
+  EXPECT_THAT(fault_of(no_links), HasSubstr("a tree has more nodes than the file can hold"));
 }
 
 TEST_F(DamagedHdf5, AHeaderThatContinuesInItselfEnds) {

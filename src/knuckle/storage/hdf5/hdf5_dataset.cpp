@@ -143,9 +143,8 @@ void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
 }
 
 const Hdf5Chunks& Hdf5Dataset::chunks() const {
-  std::call_once(chunks_->is_read,
-                 [&] { chunks_->chunks = Hdf5Chunks(*file_, chunk_tree_, shape_, chunk_); });
-  return chunks_->chunks;
+  std::call_once(chunks_->is_read, [&] { chunks_->chunks.emplace(*file_, chunk_tree_, shape_, chunk_); });
+  return *chunks_->chunks;
 }
 
 /// Of all values.
@@ -252,7 +251,7 @@ void Hdf5Dataset::read_rows(std::uint64_t first, std::uint64_t count, T* values)
     fault(fmt::format("rows {} to {} were asked for, it has {}", first, first + count,
                       shape_.empty() ? 0 : shape_[0]));
   }
-  const std::size_t all = checked_count();
+  const std::size_t all = count_within(chunk_.empty() ? piece_bytes_ : file_->size());
   if (all == 0 || count == 0) return;
   const std::size_t numbers = all / static_cast<std::size_t>(shape_[0]) * static_cast<std::size_t>(count);
   if (number_ == number_of<T>()) {
@@ -290,8 +289,8 @@ void Hdf5Dataset::read_chunks(std::uint64_t first, std::uint64_t count, std::spa
   std::vector<std::uint64_t> place(shape_.size(), 0);
   place[0] = first / chunk_[0] * chunk_[0];
   do {
-    const Hdf5Chunk* const written = chunks().find(place);
-    if (written == nullptr) continue;
+    const std::optional<Hdf5Chunk> written = chunks().find(place);
+    if (!written) continue;
     copy_lines(shape_, chunk_, number_.bytes, place, chunk(*written), first, count, to.data());
   } while (advance(shape_, chunk_, first, first + count, place));
 }

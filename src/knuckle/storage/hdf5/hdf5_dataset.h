@@ -65,7 +65,7 @@ class Hdf5Dataset {
 
   struct ChunksOnce {
     std::once_flag is_read;
-    Hdf5Chunks chunks;
+    std::optional<Hdf5Chunks> chunks;
   };
   std::unique_ptr<ChunksOnce> chunks_;  ///< null where the array lies in one piece
   int shuffle_ = -1;                    ///< the filter's place among all; -1: there is none

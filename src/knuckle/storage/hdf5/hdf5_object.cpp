@@ -154,8 +154,12 @@ class OldGroup {
         bytes_left_(file.size()) {}
 
   void read() {
-    for_each_leaf_entry(file_, tree_, Hdf5TreeKind::group, file_.length_bytes(),
-                        [&](Hdf5Cursor, std::uint64_t node) { read_symbols(node); });
+    const std::size_t key_bytes = file_.length_bytes();
+    const auto visit = [&](const Hdf5Cursor&, std::uint64_t node) { read_symbols(node); };
+    for_each_leaf(file_, tree_, Hdf5TreeKind::group, key_bytes,
+                  [&](const std::optional<Hdf5Cursor>&, std::uint64_t leaf) {
+                    for_each_entry(file_, leaf, Hdf5TreeKind::group, key_bytes, visit);
+                  });
   }
 
  private:
