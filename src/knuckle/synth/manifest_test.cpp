@@ -105,6 +105,7 @@ TEST_F(ManifestTest, ErrorsNameFileAndFault) {
       {"[pose]\nmotion = 'smooth'\n[scene]\nsecond_pass_frames = -1", "second_pass_frames"},
       {"[pose]\nsequence_frames = 10", "m.toml:2: pose.sequence_frames"},
       {"[scene]\nempty_share = 0.6\ncut_share = 0.5", "cut_share"},
+      {"[scene]\nstump_share = 0.5", "empty_share is 0"},
       {"[pose]\nmotion = 'smooth'\n[scene]\nempty_share = 0.5", "m.toml:4: scene.empty_share"},
       {"[camera]\nmodel = 'orthographic'\n[scene]\ntable_share = 0.5", "m.toml:2: camera.model"},
       {"[body]\npeople = 0", "people"},

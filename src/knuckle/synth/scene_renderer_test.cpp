@@ -105,6 +105,40 @@ TEST(Scenes, TruthTellsOfTheHandsThatAreThere) {
   EXPECT_LT(empty, 20);
 }
 
+TEST(Scenes, AnArmMayEndWithoutAHand) {
+  Manifest manifest = scene_manifest();
+  manifest.scene = {.sleeve_share = 0.5};
+  const auto body = std::make_shared<const Body>(testing::box_arm_body());
+  const auto with_hands = create_synthetic(manifest, body);
+  manifest.scene.empty_share = 1;
+  manifest.scene.stump_share = 1;
+  const auto without_hands = create_synthetic(manifest, body);
+  int arms = 0;
+  for (int i = 0; i < manifest.frames; ++i) {
+    const Frame frame = without_hands->read(i);
+    EXPECT_TRUE(frame.hands.empty());
+    EXPECT_TRUE(frame.truth->is_missing());
+    EXPECT_EQ(std::ranges::count(frame.mask.pixels(), 1), 0);
+    const Projection projection(frame.camera);
+    const HandPose hand = *with_hands->read(i).truth;
+    int seen = 0;
+    for (int row = 0; row < frame.camera.height; ++row) {
+      for (int column = 0; column < frame.camera.width; ++column) {
+        const float depth = frame.depth_mm(column, row);
+        if (depth <= 0.0f) continue;
+        ++seen;
+        const Point3 point = projection.to_camera({double(column), double(row), depth});
+        for (const Landmark tip : {Landmark::index_tip, Landmark::middle_tip, Landmark::little_tip}) {
+          const Point3 was = projection.to_camera(hand.joints[static_cast<std::size_t>(tip)]);
+          EXPECT_GT((point - was).norm(), 20.0) << i << ": there is no finger any more";
+        }
+      }
+    }
+    arms += seen > 0 ? 1 : 0;
+  }
+  EXPECT_GT(arms, manifest.frames / 2);
+}
+
 TEST(Scenes, LittleOfTheHandIsHiddenByThings) {
   Manifest manifest = scene_manifest();
   manifest.scene.empty_share = 0;
