@@ -86,6 +86,14 @@ PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
   return std::move(choice.pose);
 }
 
+PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const {
+  if (seen.hand) return seen;
+  const PatchPose other = estimators_.back()->estimate(patch);
+  seen.hand = other.hand;
+  if (!seen.right_hand) seen.right_hand = other.right_hand;
+  return seen;
+}
+
 PatchPose SurestEstimator::ascertained(const HandPatch& patch, PatchPose seen) const {
   if (options_.second_look_deg == 0.0) return seen;
   const double turn = (90.0 * seen.quarter_turns + options_.second_look_deg) * kDegree;

@@ -46,6 +46,8 @@ class SurestEstimator final : public Estimator {
   /// The side, and whether it is a hand, are what the surest says, or else the surest of those asked that can
   /// tell.
   PatchPose estimate(const HandPatch& patch) const override;
+  /// Asks the last, unless somebody said already whether it is a hand; the pose stays.
+  PatchPose judged(const HandPatch& patch, PatchPose seen) const override;
   /// The mean of the pose and of that which the same network sees in the patch turned by `second_look_deg`,
   /// each joint weighted by its confidence; confidences and the likelihood of a right hand are plain means.
   PatchPose ascertained(const HandPatch& patch, PatchPose seen) const override;

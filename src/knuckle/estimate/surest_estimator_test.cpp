@@ -97,6 +97,26 @@ TEST(SurestEstimator, WhoCannotTellTheSideLeavesItToTheOthers) {
   EXPECT_EQ(surest_of(three(0.7f, 0.5f, 0.4f), {.enough = 0.65}).hand, std::nullopt);
 }
 
+TEST(SurestEstimator, TheLastIsAskedWhetherItIsAHandWhereNobodySaid) {
+  int asked = 0;
+  const SurestEstimator estimator(three(0.7f, 0.6f, 0.9f, &asked), {.enough = 0.65});
+  const PatchPose seen = estimator.estimate({});
+  ASSERT_EQ(seen.hand, std::nullopt);
+  const PatchPose judged = estimator.judged({}, seen);
+  EXPECT_EQ(judged.hand, 0.1);
+  EXPECT_EQ(judged.right_hand, 0.2);
+  EXPECT_EQ(judged.joints[0].u, 1.0) << "the pose stays that of the first";
+  EXPECT_EQ(asked, 1);
+
+  PatchPose known = seen;
+  known.hand = 0.75;
+  EXPECT_EQ(estimator.judged({}, known).hand, 0.75);
+  EXPECT_EQ(asked, 1) << "nobody is asked again";
+  PatchPose of_known_side = seen;
+  of_known_side.right_hand = 0.6;
+  EXPECT_EQ(estimator.judged({}, of_known_side).right_hand, 0.6);
+}
+
 TEST(SurestEstimator, WhatAnEarlierOneToldIsKept) {
   std::vector<std::unique_ptr<Estimator>> estimators;
   estimators.push_back(std::make_unique<KnownPose>(1.0, 0.4f, 0.8));

@@ -38,6 +38,7 @@ void HandOptions::visit(OptionVisitor& visitor) {
   visitor.integer("candidates", candidates, closed(1, 16));
   visitor.real("sure_confidence", sure_confidence, closed(0, 1));
   visitor.real("hand_weight", hand_weight, closed(0, 1));
+  visitor.real("judged_below", judged_below, closed(0, 1));
   visitor.real("confidence_offset", confidence_offset, closed(-10, 10));
   visitor.real("confidence_slope", confidence_slope, closed(0.01, 10));
 }

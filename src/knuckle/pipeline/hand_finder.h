@@ -24,6 +24,9 @@ struct HandOptions {
   /// How much counts what the estimator says of whether it is a hand at all: its exponent in the hand's
   /// score, [0, 1]; 0: nothing.
   double hand_weight = 1.0;
+  /// Where an estimator has not said whether it is a hand, and the score is lower, it is asked
+  /// (`Estimator::judged`), [0, 1]; 0: never.
+  double judged_below = 0.0;
   /// The confidences of the joints that come out are calibrated (`calibrated_confidence`) with these, [-10,
   /// 10] and [0.01, 10]; scores and all thresholds are of what the estimator says itself.
   double confidence_offset = 0.0;

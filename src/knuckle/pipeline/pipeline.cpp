@@ -213,12 +213,13 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
   if (search.elsewhere.value_or(!search.start)) look_elsewhere(frame, search, result);
   double surest = 0.0;
   for (const HandEstimate& hand : result.hands) surest = std::max(surest, hand.score);
-  result.hands.erase(std::remove_if(result.hands.begin() + static_cast<std::ptrdiff_t>(at_start),
-                                    result.hands.end(), [&](const auto& hand) { return !is_sure(hand); }),
-                     result.hands.end());
+  result.hands.erase(
+      std::remove_if(result.hands.begin() + static_cast<std::ptrdiff_t>(at_start), result.hands.end(),
+                     [&](const auto& hand) { return !is_sure(hand.score); }),
+      result.hands.end());
   keep_surest(result.hands, search.max_hands);
   if (!result.hands.empty()) {
-    result.status = is_sure(result.hands.front()) ? "" : kUnsure;
+    result.status = is_sure(result.hands.front().score) ? "" : kUnsure;
   } else if (surest > 0.0) {
     result.status = fmt::format(
         "nothing looks like a hand: the surest place has a score of {:.2f}, a hand at least {:.2f}", surest,
@@ -229,8 +230,8 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
   return result;
 }
 
-bool Pipeline::is_sure(const HandEstimate& hand) const {
-  return hand.score >= finder_.hand().sure_confidence;
+bool Pipeline::is_sure(double score) const {
+  return score >= finder_.hand().sure_confidence;
 }
 
 void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
@@ -246,7 +247,7 @@ void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, st
 void Pipeline::look_at_start(const Frame& frame, const Search& search, HandEstimate& hand,
                              StageTimes& times) const {
   const PatchOptions& patches = estimator_->patches().options();
-  if (is_sure(hand) || !patches.is_cube()) return;
+  if (is_sure(hand.score) || !patches.is_cube()) return;
   HandRegion region = region_in_cube(frame, *search.start, patches.cube_mm);
   region.side = hand.region.side;
   auto other = hand_in(frame, std::move(region), search.side, times);
@@ -266,7 +267,8 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
     for (const HandRegion& region : found.hands) tried.push_back(region.centre);
     set_known_aside(found.hands, search.known, result.known);
     add_hands(frame, std::move(found.hands), search.side, result);
-    const auto sure = std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand); });
+    const auto sure =
+        std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand.score); });
     if (are_all || sure + std::ssize(result.known) >= search.max_hands || places >= finder_.hand().candidates)
       break;
   }
@@ -313,8 +315,12 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
-  const double witnessed = score_of(in_patch, region);
-  if (witnessed >= finder_.hand().sure_confidence) {
+  double witnessed = score_of(in_patch, region);
+  if (is_sure(witnessed) && !in_patch.hand && witnessed < finder_.hand().judged_below) {
+    in_patch = timed(times.estimate_ms, [&] { return estimator_->judged(*patch, std::move(in_patch)); });
+    witnessed = score_of(in_patch, region);
+  }
+  if (is_sure(witnessed)) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->ascertained(*patch, std::move(in_patch)); });
   }
   HandPose pose = pose_in_image(in_patch, estimator_->convention(), patch->geometry);

@@ -125,7 +125,7 @@ class Pipeline {
   static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
   FrameEstimate estimate_left(const Frame& frame, const Search& search) const;
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
-  bool is_sure(const HandEstimate& hand) const;
+  bool is_sure(double score) const;
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
                  FrameEstimate& result) const;
   void look_at_start(const Frame& frame, const Search& search, HandEstimate& hand, StageTimes& times) const;

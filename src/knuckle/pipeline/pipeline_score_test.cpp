@@ -90,6 +90,49 @@ TEST(PipelineFromParts, WhetherItIsAHandCountsAsMuchAsAskedFor) {
   EXPECT_THROW(score(0.5, 1.1), Error);
 }
 
+/// Says how likely it is a hand when it is asked, a quarter, or `at_once`.
+class AskedEstimator final : public Estimator {
+ public:
+  AskedEstimator(std::optional<double> at_once, int* asked) : at_once_(at_once), asked_(asked) {}
+  Convention convention() const override { return corner_.convention(); }
+  const PatchExtractor& patches() const override { return corner_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = corner_.estimate(patch);
+    pose.hand = at_once_;
+    return pose;
+  }
+  PatchPose judged(const HandPatch& patch, PatchPose seen) const override {
+    ++*asked_;
+    EXPECT_EQ(patch.pixels.width(), patches().options().size_px);
+    seen.hand = 0.25;
+    return seen;
+  }
+
+ private:
+  CornerEstimator corner_;
+  std::optional<double> at_once_;
+  int* asked_;
+};
+
+TEST(PipelineFromParts, OnlyWhatMayBeAHandAndIsNotSurelyOneIsJudged) {
+  int asked = 0;
+  const auto score = [&](double sure_confidence, double judged_below, std::optional<double> at_once = {}) {
+    const HandOptions hand{.sure_confidence = sure_confidence, .judged_below = judged_below};
+    const Pipeline pipeline({HandFinder(std::make_unique<LikelySegmenter>(std::nullopt), hand),
+                             std::make_unique<AskedEstimator>(at_once, &asked)});
+    return pipeline.estimate(plate(), {.start = Point3(1.0, 2.0, 3.0)}).hands.at(0).score;
+  };
+  EXPECT_DOUBLE_EQ(score(0.0, 0.0), 0.5) << "never, unless the file says so";
+  EXPECT_DOUBLE_EQ(score(0.0, 0.5), 0.5) << "it is sure enough";
+  EXPECT_DOUBLE_EQ(score(0.51, 1.0), 0.5) << "it is no hand anyway";
+  EXPECT_DOUBLE_EQ(score(0.0, 1.0, 0.75), 0.5 * 0.75) << "it was said at once";
+  EXPECT_EQ(asked, 0);
+  EXPECT_DOUBLE_EQ(score(0.1, 0.51), 0.5 * 0.25);
+  EXPECT_EQ(asked, 1);
+  EXPECT_THROW(score(0.0, -0.1), Error);
+  EXPECT_THROW(score(0.0, 1.1), Error);
+}
+
 /// Sees two joints, the second without confidence.
 class DoubtfulEstimator final : public Estimator {
  public:
