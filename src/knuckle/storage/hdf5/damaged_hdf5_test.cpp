@@ -149,6 +149,11 @@ TEST_F(DamagedHdf5, NodesThatAreVisitedAgainAndAgainEnd) {
   constexpr std::size_t kSuperblock = 96;  // has the root's tree once more, which nobody asks for
   const std::string no_links = with_nest_for(links, place_of(address_text(links), kSuperblock), 0, 8);
   EXPECT_THAT(fault_of(no_links), HasSubstr("a tree has more nodes than the file can hold"));
+
+  std::string of_wrong_levels = no_links;
+  const std::size_t second = bytes_.size() + 24 + 3 * 8 + 16;
+  of_wrong_levels[second + 5] = 7;
+  EXPECT_THAT(fault_of(of_wrong_levels), HasSubstr("a tree's node is of another level"));
 }
 
 TEST_F(DamagedHdf5, AHeaderThatContinuesInItselfEnds) {

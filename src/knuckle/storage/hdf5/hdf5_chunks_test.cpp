@@ -90,6 +90,10 @@ TEST_F(ManyChunks, OfExchangedLeavesAreRefused) {
   EXPECT_THAT(error_of([&] { file.read_rows("numbers", row, 1, numbers.data()); }),
               HasSubstr("many.h5: the HDF5 file is damaged: chunks are not in order"));
   EXPECT_THAT(error_of([&] { file.read<std::int32_t>("numbers"); }), HasSubstr("chunks are not in order"));
+  std::uint64_t next = 0;  // the first in the second
+  std::memcpy(&next, bytes.data() + parent + kNodeHead + kChunkKey + 8 + 8, 8);
+  EXPECT_THAT(error_of([&] { file.read_rows("numbers", next, 1, numbers.data()); }),
+              HasSubstr("chunks are not in order"));
   expect_row(file, (row + kManyRows / 2) % kManyRows);  // in another leaf, which nothing is wrong with
 }
 
@@ -100,6 +104,19 @@ TEST_F(ManyChunks, OfAParentThatNamesTheSameLeafTwiceAreRefused) {
   change(bytes);
   EXPECT_THAT(error_of([&] { Hdf5File::open(path_).read<std::int32_t>("numbers"); }),
               HasSubstr("chunks are not in order"));
+}
+
+TEST_F(ManyChunks, BesideTheArrayDoNotCountAsStored) {
+  // The array is said to have three rows of six million columns: what else is stored does not make it so.
+  std::string bytes = read_text_file(path_);
+  const std::array<std::uint64_t, 2> shape{kManyRows, 2};
+  const std::string extent(reinterpret_cast<const char*>(shape.data()), sizeof(shape));
+  const std::array<std::uint64_t, 2> other{3, 5'800'000};
+  const std::size_t place = bytes.find(extent);
+  ASSERT_NE(place, std::string::npos);
+  std::memcpy(bytes.data() + place, other.data(), sizeof(other));
+  change(bytes);
+  EXPECT_THAT(error_of([&] { Hdf5File::open(path_).read<std::int32_t>("numbers"); }), HasSubstr("declares"));
 }
 
 TEST_F(ManyChunks, OfAChildThatIsNoLeafAreRefused) {
