@@ -139,6 +139,25 @@ TEST(Scenes, AnArmMayEndWithoutAHand) {
   EXPECT_GT(arms, manifest.frames / 2);
 }
 
+TEST(Scenes, ArmsThatHaveAHandStayAsTheyAre) {
+  Manifest manifest = scene_manifest();
+  manifest.scene = {.empty_share = 0.5};
+  const auto body = std::make_shared<const Body>(testing::box_arm_body());
+  const auto before = create_synthetic(manifest, body);
+  manifest.scene.stump_share = 0.5;
+  const auto with_stumps = create_synthetic(manifest, body);
+  int arms = 0;
+  for (int i = 0; i < manifest.frames; ++i) {
+    const Frame frame = with_stumps->read(i);
+    const Image<float> was = before->read(i).depth_mm;
+    const bool is_same = frame.depth_mm == was;
+    if (!frame.hands.empty()) EXPECT_TRUE(is_same) << i;
+    arms += is_same ? 0 : 1;
+  }
+  EXPECT_GT(arms, 5) << "half of some 30 empty frames";
+  EXPECT_LT(arms, 25);
+}
+
 TEST(Scenes, LittleOfTheHandIsHiddenByThings) {
   Manifest manifest = scene_manifest();
   manifest.scene.empty_share = 0;
