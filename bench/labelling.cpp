@@ -20,6 +20,7 @@
 #include "knuckle/core/statistics.h"
 #include "knuckle/eval/pictures/figures.h"
 #include "knuckle/label/label_session.h"
+#include "knuckle/label/label_smoothing.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
@@ -275,6 +276,23 @@ std::vector<double> Annotator::curve_mm() const {
   return curve;
 }
 
+/// How far the labels are from the truth as `labels export --smooth` writes them.
+void print_smoothed(const FrameSource& source, const LabelBook& book) {
+  for (const int reach : {2, 3, 4, 5, 6}) {
+    RunningMean error;
+    for (const auto& [hand, points] : smoothed_labels(source, book, LabelState::estimated, reach)) {
+      const FrameLabel truth = source.read_label(hand.frame);
+      const Projection projection(truth.camera);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const ImagePoint& joint = truth.truth->joints[i];
+        if (joint.is_missing() || points[i].is_missing()) continue;
+        error.add((projection.to_camera(points[i]) - projection.to_camera(joint)).norm());
+      }
+    }
+    fmt::print("  smoothed over {} frames on both sides: {:.2f} mm\n", reach, error.value());
+  }
+}
+
 /// The mean error after each number of corrections [mm].
 std::vector<double> measured(const LabellingOptions& options) {
   std::vector<double> curve;
@@ -302,6 +320,7 @@ std::vector<double> measured(const LabellingOptions& options) {
     Annotator annotator(source, session, options);
     annotator.work();
     annotator.print();
+    print_smoothed(source, journal.book());
     curve = annotator.curve_mm();
   }
   std::filesystem::remove_all(folder);

@@ -191,6 +191,35 @@ class AnnotateTest(unittest.TestCase):
         self.assertRegex(compared.stdout, r"wrist +1 +3\.00 +3\.00")
         self.assert_refused(run("labels", "compare", "--labels", str(self.labels), "--authors", "ann", "cid"), "labels.cid.jsonl")
 
+    def test_labels_are_exported_smooth_where_asked_for(self):
+        common = ["--source", "synthetic:manifests/test_still.toml?count=9", "--labels", str(self.labels)]
+        imported = run("labels", "import", *common)
+        self.assertEqual(imported.returncode, 0, imported.stderr)
+        out = self.folder / "poses.txt"
+
+        def exported(*smooth):
+            done = run("labels", "export", *common, "--format", "poses", "--out", str(out), *smooth)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return [float(number) for line in out.read_text().splitlines() if not line.startswith("#") for number in line.split()]
+
+        plain = exported()
+        self.assertEqual(exported("--smooth", "0"), plain)
+        smooth = exported("--smooth", "4")
+        self.assertEqual(len(smooth), len(plain))
+        self.assertLess(max(abs(a - b) for a, b in zip(smooth, plain)), 0.01, "a hand that is still stays where it is")
+        lines = self.file.read_text().splitlines()
+        record = json.loads(lines[5])
+        record["landmarks"]["palm"][2] += 20
+        lines[5] = json.dumps(record, separators=(",", ":"))
+        self.file.write_text("\n".join(lines) + "\n")
+        far_off = max(abs(a - b) for a, b in zip(exported(), plain))
+        self.assertAlmostEqual(far_off, 20, places=2)
+        self.assertLess(max(abs(a - b) for a, b in zip(exported("--smooth", "4"), plain)), 8, "the others say where it was")
+        for wrong in ["-1", "101", "few"]:
+            refused = run("labels", "export", *common, "--format", "poses", "--out", str(out), "--smooth", wrong)
+            self.assertEqual(refused.returncode, 2, "a wrong option")
+            self.assertIn("--smooth", refused.stderr)
+
     def test_what_is_exported_is_read_again_as_it_was(self):
         """Largest distance of a round trip [mm]; 0.01 px at 500 mm are 0.01 mm at least."""
         for convention, formats in [("knuckle22", ["folder", "h5", "poses"]), ("icg20", ["folder", "icg"]), ("mediapipe21", ["folder", "h5"]),

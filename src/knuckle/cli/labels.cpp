@@ -36,6 +36,7 @@ struct LabelsArguments {
   LabelState state = LabelState::verified;
   std::optional<HandSide> side;
   bool leaves_out_hidden = false;
+  int smooth_frames = 0;
   std::string convention;
   std::string format = "folder";
   std::filesystem::path out;
@@ -48,6 +49,7 @@ LabelledSourceOptions options_of(const LabelsArguments& arguments) {
   LabelledSourceOptions options{.least = arguments.state,
                                 .side = arguments.side,
                                 .keeps_hidden = !arguments.leaves_out_hidden,
+                                .smooth_frames = arguments.smooth_frames,
                                 .convention = {}};
   if (!arguments.convention.empty()) options.convention = convention_from_option(arguments.convention);
   return options;
@@ -216,6 +218,11 @@ void add_export_verb(CLI::App& labels) {
   add_labels_options(verb, *arguments);
   add_state_option(verb, *arguments, "How sure hands have to be");
   verb.add_flag("--no-hidden", arguments->leaves_out_hidden, "Leave hidden landmarks out");
+  verb.add_option("--smooth", arguments->smooth_frames,
+                  "Landmarks as the labels of so many frames on both sides say together; 0: as they are")
+      ->check(CLI::Range(0, 100))
+      ->type_name("N")
+      ->capture_default_str();
   std::vector<std::string> formats(frame_writer_formats().begin(), frame_writer_formats().end());
   formats.emplace_back("poses");
   verb.add_option("--format", arguments->format, "A set in this format, or a poses file alone")

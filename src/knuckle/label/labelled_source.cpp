@@ -41,6 +41,8 @@ LabelledSource::LabelledSource(const FrameSource& source, const LabelBook& book,
     if (options.side && *options.side != hand.side) continue;
     if (has_labels(history) && history.state() >= options.least) choose(hand, history);
   }
+  if (options.smooth_frames != 0)
+    smoothed_ = smoothed_labels(source, book, options.least, options.smooth_frames);
 }
 
 /// The right hand comes first.
@@ -83,9 +85,14 @@ HandPose LabelledSource::as_labelled(const LabelChange& change) const {
   HandPose pose = HandPose::missing(book_.head().convention);
   for (std::size_t i = 0; i < pose.joints.size(); ++i) {
     const LandmarkLabel& label = change.landmarks[i];
-    if (label.is_visible || options_.keeps_hidden) pose.joints[i] = label.at;
+    if (label.is_visible || options_.keeps_hidden) pose.joints[i] = place_of(change, i);
   }
   return pose;
+}
+
+const ImagePoint& LabelledSource::place_of(const LabelChange& change, std::size_t landmark) const {
+  const auto smoothed = smoothed_.find({change.frame, change.side});
+  return smoothed == smoothed_.end() ? change.landmarks[landmark].at : smoothed->second[landmark];
 }
 
 std::optional<LabelledSource::Truth> LabelledSource::truth_of(std::int64_t index,

@@ -10,15 +10,17 @@
 #include "knuckle/data/frame_source.h"
 #include "knuckle/hand/landmark_definition.h"
 #include "knuckle/label/label_book.h"
+#include "knuckle/label/label_smoothing.h"
 
 namespace knuckle {
 
 /// Which labels a source is given, and how.
 struct LabelledSourceOptions {
-  LabelState least = LabelState::verified;    ///< hands that are less sure are left out
-  std::optional<HandSide> side = {};          ///< nothing: of a frame with both the surer one, else the right
-  bool takes_second = false;                  ///< of frames with both hands, the other one; no others
-  bool keeps_hidden = true;                   ///< otherwise landmarks that are hidden are missing
+  LabelState least = LabelState::verified;  ///< hands that are less sure are left out
+  std::optional<HandSide> side = {};        ///< nothing: of a frame with both the surer one, else the right
+  bool takes_second = false;                ///< of frames with both hands, the other one; no others
+  bool keeps_hidden = true;                 ///< otherwise landmarks that are hidden are missing
+  int smooth_frames = 0;  ///< `smoothed_labels` over so many frames on both sides; 0: as they are
   std::optional<Convention> convention = {};  ///< of the truth; nothing: as it was labelled
 };
 
@@ -52,6 +54,7 @@ class LabelledSource final : public FrameSource {
   Image<std::uint8_t> mask_of(std::int64_t index, const Camera& camera) const;
   std::optional<Truth> truth_of(std::int64_t index, const Camera& camera) const;
   HandPose as_labelled(const LabelChange& change) const;
+  const ImagePoint& place_of(const LabelChange& change, std::size_t landmark) const;
 
   const FrameSource& source_;
   const LabelBook& book_;
@@ -59,6 +62,7 @@ class LabelledSource final : public FrameSource {
   Convention target_;
   std::optional<LandmarkDefinition> definition_;       ///< where names do not say it
   std::map<std::int64_t, const HandHistory*> chosen_;  ///< by frame: the hand whose pose is the truth
+  SmoothedLabels smoothed_;                            ///< empty: labels are as they are
   std::map<std::int64_t, std::vector<std::shared_ptr<const LabelMask>>> masks_;  ///< by frame, of all hands
 };
 
