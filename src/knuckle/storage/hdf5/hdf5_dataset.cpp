@@ -139,12 +139,13 @@ void Hdf5Dataset::read_chunk_shape(Hdf5Cursor& cursor) {
   }
   chunk_bytes_ = static_cast<std::size_t>(bytes);
   check_chunks_fit();
-  chunks_ = std::make_unique<ChunksOnce>();
+  chunks_ = std::make_unique<LazyChunks>();
 }
 
 const Hdf5Chunks& Hdf5Dataset::chunks() const {
-  std::call_once(chunks_->is_read, [&] { chunks_->chunks.emplace(*file_, chunk_tree_, shape_, chunk_); });
-  return *chunks_->chunks;
+  const std::scoped_lock lock(chunks_->lock);
+  if (!chunks_->found) chunks_->found.emplace(*file_, chunk_tree_, shape_, chunk_);
+  return *chunks_->found;
 }
 
 /// Of all values.

@@ -63,11 +63,11 @@ class Hdf5Dataset {
   std::size_t chunk_bytes_ = 0;
   std::optional<std::uint64_t> chunk_tree_;  ///< nothing: no chunk was written
 
-  struct ChunksOnce {
-    std::once_flag is_read;
-    std::optional<Hdf5Chunks> chunks;
+  struct LazyChunks {
+    std::mutex lock;
+    std::optional<Hdf5Chunks> found;
   };
-  std::unique_ptr<ChunksOnce> chunks_;  ///< null where the array lies in one piece
+  std::unique_ptr<LazyChunks> chunks_;  ///< null where the array lies in one piece
   int shuffle_ = -1;                    ///< the filter's place among all; -1: there is none
   int deflate_ = -1;
 };
