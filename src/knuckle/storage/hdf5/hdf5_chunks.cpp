@@ -60,7 +60,7 @@ std::uint64_t Hdf5Chunks::stored_bytes() const {
 
 std::shared_ptr<const Hdf5Chunks::Listing> Hdf5Chunks::listing(std::size_t leaf) const {
   const std::scoped_lock lock(last_lock_);
-  if (!last_ || last_->leaf != leaf) last_ = std::make_shared<const Listing>(leaf, entries_of(leaf));
+  if (!last_ || last_->leaf != leaf) last_ = std::make_shared<const Listing>(Listing{leaf, entries_of(leaf)});
   return last_;
 }
 
