@@ -144,6 +144,26 @@ TEST_F(OwnDataTest, WithoutSomeLandmarksIsLearnedWithAWarning) {
   EXPECT_THAT(run.out, Not(HasSubstr("nan")));
 }
 
+TEST_F(OwnDataTest, LandmarksOfOnesOwnAreLearnedWhereTheirFileSaysThatTheyLie) {
+  const std::string kHead = "format = 'knuckle-landmarks'\nversion = 1\n";
+  write_text_file(path("lab.toml"),
+                  kHead +
+                      "convention = 'lab3'\nlandmarks = ['wrist', 'lab_knuckle', 'index_tip']\n"
+                      "[lab_knuckle]\nbone = 'middle_mcp'\ntowards = 'middle_pip'\nshare = 0.5\n");
+  std::string toml = config();
+  toml.replace(toml.find("'icg20'"), 7, "'lab.toml'");
+  EXPECT_THAT(train(toml, {"--check"}).out, HasSubstr("landmarks: 3 of 3 labelled"));
+  ASSERT_THAT(train(toml), Succeeded());
+  // The model knows its landmarks without the file.
+  std::filesystem::remove(path("lab.toml"));
+  ASSERT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\npasses = 1\n"), Succeeded());
+  const std::string poses = read_text_file(path("poses.txt"));
+  EXPECT_THAT(poses, HasSubstr("# convention: lab3"));
+  write_text_file(path("lab.toml"),
+                  kHead + "convention = 'lab3'\nlandmarks = ['wrist', 'toe', 'index_tip']\n");
+  EXPECT_THAT(train(toml), FailedWith("lab.toml:4: landmarks: names 'toe'"));
+}
+
 TEST_F(OwnDataTest, BeginsWithAnotherNetworkAndEndsEarly) {
   ASSERT_THAT(train(configuration()), Succeeded());
   std::filesystem::rename(path("net.pt"), path("first.pt"));

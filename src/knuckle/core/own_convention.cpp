@@ -9,6 +9,8 @@
 #include <shared_mutex>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/options.h"
@@ -91,6 +93,24 @@ Landmark told_from(const OptionTable& document, const std::string& name) {
   if (!bone || static_cast<int>(*bone) >= kSupersetSize)
     table.fail_at("bone", "is none of the 22 landmarks of knuckle22");
   return *bone;
+}
+
+constexpr char kNear = '~';  ///< between a landmark of one's own and that which it lies near to
+
+/// As in "index_tip", or "glove_knob~index_mcp".
+Landmark landmark_from_text(std::string_view text) {
+  const std::size_t mark = text.find(kNear);
+  const std::string_view name = text.substr(0, mark);
+  const std::optional<Landmark> known = known_landmark(name);
+  if (mark == std::string_view::npos) {
+    if (!known)
+      fail("'{}' is no landmark; expected one of ours, or NAME{}LANDMARK of one's own", name, kNear);
+    return *known;
+  }
+  const std::optional<Landmark> near = known_landmark(text.substr(mark + 1));
+  if (known || !near || static_cast<int>(*near) >= kSupersetSize)
+    fail("'{}' is no landmark of one's own: expected a new name, {}, and one of the 22", text, kNear);
+  return own_landmark(name, *near);
 }
 
 const Convention* find_registered(std::string_view name) {
@@ -189,6 +209,35 @@ const Convention& convention_from_file(const std::filesystem::path& path) {
   } catch (const Error& error) {
     document.fail_at("convention", error.what());
   }
+}
+
+std::string convention_text(const Convention& convention) {
+  const bool is_everybodys =
+      std::ranges::find(conventions(), convention.name, &Convention::name) != conventions().end();
+  std::string text(convention.name);
+  if (is_everybodys) return text;
+  const char* before = ": ";
+  for (const Landmark landmark : convention.landmarks) {
+    text += before;
+    text += name_of(landmark);
+    if (is_own(landmark)) text += fmt::format("{}{}", kNear, name_of(own_landmark_is_near(landmark)));
+    before = ", ";
+  }
+  return text;
+}
+
+const Convention& convention_from_text(std::string_view text) {
+  const std::size_t end = text.find(": ");
+  if (end == std::string_view::npos) return convention_from_name(text);
+  std::vector<Landmark> landmarks;
+  std::string_view rest = text.substr(end + 2);
+  while (landmarks.size() <= static_cast<std::size_t>(limits::kJoints)) {
+    const std::size_t comma = std::min(rest.find(", "), rest.size());
+    landmarks.push_back(landmark_from_text(rest.substr(0, comma)));
+    if (comma == rest.size()) break;
+    rest.remove_prefix(comma + 2);
+  }
+  return register_convention(text.substr(0, end), landmarks);
 }
 
 const Convention& convention_from_option(const std::string& text) {

@@ -38,6 +38,12 @@ Landmark own_landmark_is_near(Landmark landmark);
 const Convention& register_convention(std::string_view name, const std::vector<Landmark>& landmarks);
 /// The one that was registered under that name.
 const Convention& registered_convention(std::string_view name);
+/// A convention as a text that tells another program all of it: the name of one that every program knows; of
+/// one's own also its landmarks, and those of the 22 that its own lie near to, as in
+/// "glove3: wrist, glove_knob~index_mcp, index_tip".
+std::string convention_text(const Convention& convention);
+/// The convention of such a text; one's own is registered. Throws an Error where a name is unknown or wrong.
+const Convention& convention_from_text(std::string_view text);
 /// All that were registered, in their order.
 std::vector<Convention> own_conventions();
 

@@ -46,6 +46,40 @@ TEST_F(OwnConvention, HasTheLandmarksOfItsFileInTheirOrder) {
   EXPECT_EQ(convention_from_option("icvl16").size(), 16);
 }
 
+TEST_F(OwnConvention, IsTheSameAfterItsTextAndBack) {
+  EXPECT_EQ(convention_text(convention_from_name("nyu14")), "nyu14");
+  EXPECT_EQ(&convention_from_text("nyu14"), &convention_from_name("nyu14"));
+  const Convention& lab = register_convention(
+      "own_told",
+      {Landmark::wrist, own_landmark("own_told_knob", Landmark::index_mcp), Landmark::nyu_wrist_1});
+  EXPECT_EQ(convention_text(lab), "own_told: wrist, own_told_knob~index_mcp, nyu_wrist_1");
+  EXPECT_EQ(&convention_from_text(convention_text(lab)), &lab);
+  EXPECT_EQ(&convention_from_text("own_told"), &lab) << "it is known by now";
+
+  const Convention& other = convention_from_text("own_heard: own_heard_a~palm, thumb_tip");
+  ASSERT_EQ(other.size(), 2);
+  EXPECT_EQ(name_of(other.landmarks[0]), "own_heard_a");
+  EXPECT_EQ(own_landmark_is_near(other.landmarks[0]), Landmark::palm);
+  EXPECT_EQ(other.landmarks[1], Landmark::thumb_tip);
+}
+
+TEST_F(OwnConvention, ATextThatSaysNoneIsRefused) {
+  const auto fault = [](const std::string& text) { return error_of([&] { convention_from_text(text); }); };
+  EXPECT_THAT(fault("own_nowhere"), HasSubstr("unknown convention 'own_nowhere'"));
+  EXPECT_THAT(fault("own_wrong: wrist, toe"), HasSubstr("'toe' is no landmark"));
+  EXPECT_THAT(fault("own_wrong: "), HasSubstr("'' is no landmark"));
+  EXPECT_THAT(fault("own_wrong: a~toe"), HasSubstr("'a~toe' is no landmark of one's own"));
+  EXPECT_THAT(fault("own_wrong: a~nyu_wrist_1"), HasSubstr("no landmark of one's own"));
+  EXPECT_THAT(fault("own_wrong: wrist~palm"), HasSubstr("no landmark of one's own"));
+  EXPECT_THAT(fault("own_wrong: A!~palm"), HasSubstr("cannot name a landmark"));
+  EXPECT_THAT(fault("own_wrong: wrist, wrist"), HasSubstr("has the landmark 'wrist' twice"));
+  EXPECT_THAT(fault("icg20: wrist"), HasSubstr("every data set knows"));
+  EXPECT_THAT(fault("No name: wrist"), HasSubstr("cannot name a convention"));
+  std::string long_text = "own_long: l0~palm";
+  for (int i = 1; i <= 1024; ++i) long_text += fmt::format(", l{}~palm", i);
+  EXPECT_THAT(fault(long_text), HasSubstr("expected at most 1024"));
+}
+
 TEST_F(OwnConvention, IsDrawnByWhatItsLandmarksAreNear) {
   const Landmark knuckle = own_landmark("own_index_knuckle", Landmark::index_pip);
   const Convention& lab =

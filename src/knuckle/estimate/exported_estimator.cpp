@@ -24,7 +24,7 @@ ExportedEstimator::ExportedEstimator(OnnxNetwork file, NetworkOptions network,
     : file_(std::move(file)),
       network_(std::move(network)),
       options_(options),
-      convention_(convention_from_name(network_.convention)),
+      convention_(network_.landmarks()),
       patches_(network_.patch) {
   check_options(options_, "network estimator");
   const std::int64_t size = network_.patch.size_px;

@@ -12,7 +12,7 @@ double sure_confidence_of(const NetworkOptions& network) {
 NetworkEstimator::NetworkEstimator(PoseNetwork network, const NetworkEstimatorOptions& options)
     : network_(std::move(network)),
       options_(options),
-      convention_(convention_from_name(network_.options().convention)),
+      convention_(network_.options().landmarks()),
       patches_(network_.options().patch) {
   check_options(options_, "network estimator");
 }

@@ -27,7 +27,7 @@ OnnxModel empty_model(const std::string& graph_name) {
 
 std::string landmark_names(const NetworkOptions& options) {
   std::vector<std::string> names;
-  for (const Landmark landmark : convention_from_name(options.convention).landmarks) {
+  for (const Landmark landmark : options.landmarks().landmarks) {
     names.emplace_back(name_of(landmark));
   }
   return joined(names);

@@ -274,6 +274,12 @@ std::optional<LandmarkDefinition> shipped_definition(const Convention& conventio
   return LandmarkDefinition::load(file);
 }
 
+std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention) {
+  const bool is_plain = std::ranges::all_of(
+      convention.landmarks, [](Landmark landmark) { return static_cast<int>(landmark) < kSupersetSize; });
+  return is_plain ? std::nullopt : shipped_definition(convention);
+}
+
 std::filesystem::path definition_file(const std::filesystem::path& text) {
   if (std::filesystem::exists(text) || text.has_parent_path()) return text;
   const std::filesystem::path shipped = resource_path(fmt::format("landmarks/{}.toml", text.string()));

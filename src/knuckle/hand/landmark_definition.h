@@ -56,6 +56,9 @@ struct LandmarkDefinition {
 /// Throws an Error where the file is wrong.
 std::optional<LandmarkDefinition> shipped_definition(const Convention& convention);
 
+/// The same where the convention has landmarks that are none of the 22; nothing otherwise.
+std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention);
+
 /// The file that a user means: `text` where there is such a file, else landmarks/TEXT.toml of those that come
 /// with Knuckle, else `text` itself, whose reader will say that it is missing.
 std::filesystem::path definition_file(const std::filesystem::path& text);

@@ -133,10 +133,4 @@ FrameLabel LabelledSource::read_label(std::int64_t index) const {
   return label;
 }
 
-std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention) {
-  const bool is_plain = std::ranges::all_of(
-      convention.landmarks, [](Landmark landmark) { return static_cast<int>(landmark) < kSupersetSize; });
-  return is_plain ? std::nullopt : shipped_definition(convention);
-}
-
 }  // namespace knuckle

@@ -66,8 +66,4 @@ class LabelledSource final : public FrameSource {
   std::map<std::int64_t, std::vector<std::shared_ptr<const LabelMask>>> masks_;  ///< by frame, of all hands
 };
 
-/// How a convention's landmarks lie on the hand, where it has landmarks that are none of the 22 and the
-/// program ships a definition of it; nothing otherwise.
-std::optional<LandmarkDefinition> definition_of_own_landmarks(const Convention& convention);
-
 }  // namespace knuckle

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "knuckle/core/own_convention.h"
 #include "knuckle/net/network_architectures.h"
 
 namespace knuckle {
@@ -61,10 +62,14 @@ void NetworkOptions::visit(OptionVisitor& visitor) {
   architecture_of(*this).visit(*this, visitor);
 }
 
+const Convention& NetworkOptions::landmarks() const {
+  return convention_from_text(convention);
+}
+
 void check(const NetworkOptions& options, std::string_view what) {
   check_options(options, what);
   check_options(options.patch, what);
-  convention_from_name(options.convention);
+  (void)options.landmarks();
   const int size = options.patch.size_px;
   if (!options.patch.is_cube()) {
     fail("{}: the network \"{}\" sees patches of the mode \"cube\"", what, options.architecture);

@@ -53,14 +53,16 @@ struct PaperNetworkOptions {
 /// A network and what it sees and predicts: all that is needed to build it.
 struct NetworkOptions {
   std::string architecture = "dense";    ///< dense | heatmap2d | heatmap25d | regression | pca | autoencoder
-  std::string convention = "knuckle22";  ///< landmarks that it predicts
+  std::string convention = "knuckle22";  ///< landmarks that it predicts, as `convention_text` has them
   PatchOptions patch{.size_px = 96, .mode = "cube", .cube_mm = 250.0};
   DenseNetworkOptions dense;  ///< of the architecture "dense" alone
   PaperNetworkOptions paper;  ///< of the five others
 
   /// The `[network]` table: all but the patch, and only what the architecture reads.
   void visit(OptionVisitor& visitor);
-  int joint_count() const { return convention_from_name(convention).size(); }
+  /// The landmarks that it predicts. Throws an Error where `convention` says none.
+  const Convention& landmarks() const;
+  int joint_count() const { return landmarks().size(); }
 };
 
 /// Throws an Error that starts with `what` where an option is out of range, or the parts do not fit together.

@@ -33,6 +33,18 @@ TEST(NetworkOptions, AreTheSameAfterTomlAndBack) {
   }
 }
 
+TEST(NetworkOptions, HoldAConventionOfOnesOwn) {
+  NetworkOptions options;
+  options.convention = "net_lab: wrist, net_lab_knob~index_mcp, little_tip";
+  check(options, "net.toml");
+  EXPECT_EQ(options.joint_count(), 3);
+  EXPECT_EQ(options.landmarks().name, "net_lab");
+  const NetworkOptions back = network_options_from_toml(network_options_as_toml(options), "net.pt");
+  EXPECT_EQ(back.landmarks(), options.landmarks());
+  options.convention = "net_other: wrist, toe";
+  EXPECT_THAT(fault(options), HasSubstr("'toe' is no landmark"));
+}
+
 TEST(NetworkOptions, RefuseWhatDoesNotFitTogether) {
   NetworkOptions options;
   options.architecture = "wide";

@@ -7,6 +7,7 @@
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/data/defined_pose.h"
 #include "knuckle/patch/cube_patch.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/prepare/sample_cutter.h"
@@ -16,11 +17,21 @@ namespace {
 
 constexpr double kFarthestCentreMm = 80.0;
 
+/// Whether the definition has to say where landmarks lie: those of one's own are none that the truth has.
+bool is_told_by_definition(const Convention& truth, const SampleOptions& options) {
+  const auto is_of_22 = [](Landmark landmark) { return static_cast<int>(landmark) < kSupersetSize; };
+  const auto is_unknown = [&](Landmark landmark) {
+    return !is_of_22(landmark) && truth.index_of(landmark) < 0;
+  };
+  return options.definition && map_convention(truth, superset_convention()).missing.empty() &&
+         std::ranges::any_of(options.convention.landmarks, is_unknown);
+}
+
 class HandCutter final : public SampleCutter {
  public:
   HandCutter(const std::string& source, const HandFinder& finder, const SampleOptions& options)
       : source_(open_source(source)), finder_(finder), hand_(finder.hand()), options_(options) {
-    require_shared_landmarks(*source_, options.convention, source);
+    require_landmarks(*source_, options, source);
     frames_ = frames_for_samples(*source_, options, source);
     if (options.side) hand_.side = *options.side == HandSide::left ? "left" : "right";
   }
@@ -29,9 +40,8 @@ class HandCutter final : public SampleCutter {
 
   Outcome cut(std::int64_t index, CubeSamples& to, std::int64_t place) const override {
     const Frame frame = as_right_hand(source_->read(frames_[static_cast<std::size_t>(index)]), hand_);
-    const HandPose truth =
-        frame.truth ? converted(*frame.truth, options_.convention) : HandPose::missing(options_.convention);
     const Projection projection(frame.camera);
+    const HandPose truth = truth_of(frame, projection);
     const Point3 middle = projection.to_camera(mean_joint(truth));
     const std::optional<Point3> centre = truth.is_missing() ? std::nullopt : centre_of(frame, middle);
     if (!centre) return Outcome::without_hand;
@@ -45,6 +55,14 @@ class HandCutter final : public SampleCutter {
   }
 
  private:
+  /// In the convention that is to be learned.
+  HandPose truth_of(const Frame& frame, const Projection& projection) const {
+    if (!frame.truth) return HandPose::missing(options_.convention);
+    if (is_told_by_definition(frame.truth->convention, options_))
+      return defined_pose(*options_.definition, *frame.truth, projection, HandSide::right);
+    return converted(*frame.truth, options_.convention);
+  }
+
   /// Where segmentation finds the hand.
   std::optional<Point3> centre_of(const Frame& frame, const Point3& middle) const {
     if (options_.around_joints) return middle;
@@ -68,12 +86,13 @@ class HandCutter final : public SampleCutter {
 
 }  // namespace
 
-void require_shared_landmarks(const FrameSource& source, const Convention& convention,
-                              std::string_view name) {
+void require_landmarks(const FrameSource& source, const SampleOptions& options, std::string_view name) {
   if (!source.convention()) fail("{}: the source has no truth to train on", name);
-  if (map_convention(*source.convention(), convention).shared.empty()) {
+  const Convention truth = *source.convention();
+  if (is_told_by_definition(truth, options)) return;
+  if (map_convention(truth, options.convention).shared.empty()) {
     fail("{}: its landmarks are those of {}, and none of them is one of {}, which the network learns", name,
-         source.convention()->name, convention.name);
+         truth.name, options.convention.name);
   }
 }
 

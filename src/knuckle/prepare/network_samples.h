@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "knuckle/hand/landmark_definition.h"
 #include "knuckle/pipeline/hand_finder.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/prepare/cube_samples.h"
@@ -36,6 +37,9 @@ struct NetworkSamples {
 /// How samples are cut out of frames.
 struct SampleOptions {
   Convention convention = superset_convention();
+  /// Where the convention's landmarks lie, for sources that have all 22 but not its own; nothing: landmarks
+  /// are found by their names alone.
+  std::optional<LandmarkDefinition> definition = {};
   Cube patch;
   int crop_px = 144;  ///< at least the patch's size
   Start start = Start::nearest;
@@ -46,9 +50,10 @@ struct SampleOptions {
   Holdout holdout = {};  ///< which part of the frames is taken
 };
 
-/// Landmarks are found by their names: what a source does not label is not known in its samples. Throws an
-/// Error that starts with `name` where the source has no truth, or none of the convention's landmarks.
-void require_shared_landmarks(const FrameSource& source, const Convention& convention, std::string_view name);
+/// Landmarks are found by their names: what a source does not label is not known in its samples; where it
+/// labels all 22 and none of one's own, the definition says where these lie. Throws an Error that starts with
+/// `name` where the source has no truth, or none of the convention's landmarks.
+void require_landmarks(const FrameSource& source, const SampleOptions& options, std::string_view name);
 
 /// The frames of a source that the options ask for: a part of it, and of this `most`, rising. Errors start
 /// with `name`.

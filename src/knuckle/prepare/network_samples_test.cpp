@@ -184,6 +184,44 @@ TEST_F(NetworkSamplesTest, LandmarksAreFoundByTheirNames) {
   }
 }
 
+/// A landmark between the wrist and the tip of the index finger, and the palm.
+LandmarkDefinition halfway_definition(const std::string& name) {
+  const Landmark halfway = own_landmark("own_halfway", Landmark::index_mcp);
+  LandmarkDefinition definition =
+      LandmarkDefinition::plain(register_convention(name, {halfway, Landmark::palm}));
+  definition.landmarks[0] = {.bone = Landmark::wrist, .towards = Landmark::index_tip, .share = 0.5};
+  return definition;
+}
+
+TEST_F(NetworkSamplesTest, LandmarksOfOnesOwnLieWhereTheDefinitionSays) {
+  options_.definition = halfway_definition("own_half");
+  options_.convention = options_.definition->convention;
+  const NetworkSamples made = samples(1);
+  const CubeSample sample = made.samples.sample(0);
+  const double tip_depth = 520.0;
+  const double wrist_depth = 480.0;
+  const double x = 0.5 * ((27.5 - 39.5) * tip_depth + (11.5 - 39.5) * wrist_depth) / 100.0;
+  const double palm_x = (19.5 - 39.5) * 500.0 / 100.0;
+  const double y = 0.5 * ((23.5 - 29.5) * tip_depth + (37.5 - 29.5) * wrist_depth) / 100.0;
+  // Of a patch of 32 pixels for 200 mm; both lie at 500 mm.
+  EXPECT_NEAR(6.25 * (sample.joints[0] - sample.joints[3]), x - palm_x, 1e-3);
+  EXPECT_NEAR(6.25 * (sample.joints[1] - sample.joints[4]), y, 1e-3);
+  EXPECT_NEAR(sample.joints[2], sample.joints[5], 1e-3);
+}
+
+TEST_F(NetworkSamplesTest, WhatASetLabelsItselfIsTakenAsItIs) {
+  options_.definition = halfway_definition("own_half");
+  options_.convention = options_.definition->convention;
+  const auto labelled = [&](int, Frame& frame) {
+    frame.truth = HandPose::missing(options_.convention);
+    frame.truth->joints[0] = {25.5, 22.5, 510.0};
+    frame.truth->joints[1] = {19.5, 29.5, 500.0};
+  };
+  const CubeSamples made = samples(1, labelled).samples;
+  const CubeSample sample = made.sample(0);
+  EXPECT_NEAR(150.0 * (sample.joints[2] - sample.joints[5]), 10.0, 0.01) << "half a crop's side is 150 mm";
+}
+
 TEST_F(NetworkSamplesTest, ASetWithoutACommonLandmarkIsNamed) {
   options_.convention = register_convention("own_dots", {own_landmark("own_dot", Landmark::palm)});
   EXPECT_THAT(testing::error_of([&] { samples(1); }),

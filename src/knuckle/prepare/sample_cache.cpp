@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/core/own_convention.h"
 #include "knuckle/prepare/fresh_samples.h"
 #include "knuckle/prepare/sample_blocks.h"
 #include "knuckle/prepare/sample_file.h"
@@ -17,13 +18,14 @@ namespace {
 Inputs inputs_of(const std::string& source, const Inputs& segmentation, const SampleOptions& options) {
   Inputs inputs = segmentation;
   inputs.add_source("source", source)
-      .add("convention", options.convention.name)
+      .add("convention", convention_text(options.convention))
       .add("patch", fmt::format("{} px, {} mm", options.patch.size_px, options.patch.side_mm))
       .add("crop", fmt::format("{} px", options.crop_px))
       .add("start", kStartNames[static_cast<std::size_t>(options.start)])
       .add("centre", options.around_joints ? "joints" : "segmentation")
       .add("most", fmt::format("{}", options.most));
   // What most trainings do not ask for has no line, so that their files are found again.
+  if (options.definition) inputs.add("definition", options.definition->as_toml());
   if (options.side) inputs.add("side", *options.side == HandSide::left ? "left" : "right");
   if (options.holdout.share > 0.0) {
     const bool is_training = options.holdout.part == Holdout::Part::training;

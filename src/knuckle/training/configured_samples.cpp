@@ -15,14 +15,15 @@ namespace {
 
 constexpr double kBytesPerGigabyte = 1e9;
 
-std::int64_t frames_of(const std::string& name, const Convention& convention, int most) {
+std::int64_t frames_of(const std::string& name, const SampleOptions& options, int most) {
   const auto source = open_source(name);
-  require_shared_landmarks(*source, convention, name);
+  require_landmarks(*source, options, name);
   return most > 0 ? std::min<std::int64_t>(most, source->size()) : source->size();
 }
 
 SampleOptions options_of(const NetworkTrainingConfig& config) {
-  return {.convention = convention_from_name(config.network.convention),
+  return {.convention = config.network.landmarks(),
+          .definition = config.definition,
           .patch = {config.network.patch.size_px, config.network.patch.cube_mm},
           .crop_px = config.samples.crop_px,
           .start = config.start,
@@ -31,7 +32,7 @@ SampleOptions options_of(const NetworkTrainingConfig& config) {
 
 /// Memory of so many samples.
 double gigabytes_of(const NetworkTrainingConfig& config, std::int64_t count) {
-  const Convention convention = convention_from_name(config.network.convention);
+  const Convention& convention = config.network.landmarks();
   return static_cast<double>(CubeSamples::bytes(count, convention.size(), config.samples.crop_px)) /
          kBytesPerGigabyte;
 }
@@ -167,15 +168,14 @@ void require_memory_to_stream(const NetworkTrainingConfig& config, std::int64_t 
 }  // namespace
 
 void check_sources(const NetworkTrainingConfig& config) {
-  const Convention convention = convention_from_name(config.network.convention);
+  const SampleOptions options = options_of(config);
   std::int64_t count = 0;
   for (const TrainingSource& source : config.sources) {
-    count += frames_of(source.source, convention, source.most);
-    if (source.most_things > 0) count += frames_of(source.source, convention, source.most_things);
+    count += frames_of(source.source, options, source.most);
+    if (source.most_things > 0) count += frames_of(source.source, options, source.most_things);
   }
   const std::int64_t validation =
-      config.validation.empty() ? 0
-                                : frames_of(config.validation, convention, config.samples.most_validation);
+      config.validation.empty() ? 0 : frames_of(config.validation, options, config.samples.most_validation);
   if (config.samples.stream) {
     require_memory_to_stream(config, validation);
   } else {
@@ -211,7 +211,7 @@ ConfiguredSamples streamed_samples(const NetworkTrainingConfig& config, const st
 
 std::vector<Landmark> unknown_landmarks(const NetworkTrainingConfig& config,
                                         const ConfiguredSamples& samples) {
-  const Convention convention = convention_from_name(config.network.convention);
+  const Convention& convention = config.network.landmarks();
   std::vector<bool> known(convention.landmarks.size(), false);
   const auto add = [&](const std::vector<bool>& of_set) {
     for (std::size_t j = 0; j < known.size(); ++j) known[j] = known[j] || of_set[j];

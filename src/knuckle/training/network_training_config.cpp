@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/training/configured_samples.h"
 
@@ -54,6 +55,18 @@ void NetworkSampleOptions::visit(OptionVisitor& visitor) {
   visitor.integer("stream_window", stream_window, closed(1, 1e9));
 }
 
+namespace {
+
+/// Where the network's landmarks lie: its convention may be named by the file that says so.
+std::optional<LandmarkDefinition> definition_in(const OptionTable& document, NetworkOptions& network) {
+  if (!network.convention.ends_with(".toml")) return definition_of_own_landmarks(network.landmarks());
+  LandmarkDefinition definition = LandmarkDefinition::load(document.resolved_path(network.convention));
+  network.convention = convention_text(definition.convention);
+  return definition;
+}
+
+}  // namespace
+
 NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   if (!document.has("source")) document.required_text("source");  // says what is missing
@@ -66,6 +79,7 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
                                .segmentation = inputs_of_finder(document),
                                .samples = {},
                                .network = {},
+                               .definition = {},
                                .augmentation = {},
                                .training = {},
                                .resolved_options = {}};
@@ -81,6 +95,7 @@ NetworkTrainingConfig NetworkTrainingConfig::load(const std::filesystem::path& p
                                                   .most_things = config.samples.most_things});
   config.validation = validation_in(document, config.sources);
   document.table("network").read(config.network);
+  config.definition = definition_in(document, config.network);
   document.table("augmentation").read(config.augmentation);
   document.table("training").read(config.training);
   document.finish();

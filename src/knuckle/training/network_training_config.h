@@ -58,6 +58,7 @@ struct NetworkTrainingConfig {
   Inputs segmentation;  ///< what `finder` was made from
   NetworkSampleOptions samples;
   NetworkOptions network;
+  std::optional<LandmarkDefinition> definition;  ///< of landmarks that are none of the 22
   AugmentationOptions augmentation;
   NetworkTrainingOptions training;
   std::string resolved_options;  ///< the file with all defaults filled in

@@ -48,7 +48,7 @@ class SheetPainter {
  public:
   SheetPainter(const NetworkTrainingConfig& config, const std::vector<TrainingCrops>& sets)
       : config_(config),
-        convention_(convention_from_name(config.network.convention)),
+        convention_(config.network.landmarks()),
         size_(config.network.patch.size_px),
         views_(
             std::make_shared<const CubeSampleViews>(sets, config.augmentation,
@@ -175,7 +175,7 @@ class CheckText {
     const auto& [total, without_hand, off_centre] = made.frames;
     add("  looked at {} of them: {} used, {} without labels or hand, {} found elsewhere\n", total,
         made.frames.used(), without_hand, off_centre);
-    const Convention convention = convention_from_name(config_.network.convention);
+    const Convention& convention = config_.network.landmarks();
     const std::vector<bool> known = known_joints(made.samples);
     std::vector<Landmark> unknown;
     for (std::size_t j = 0; j < known.size(); ++j) {
@@ -189,7 +189,7 @@ class CheckText {
   void add_network() {
     const double steps = std::ceil(samples_in_all() / config_.training.batch_size);
     add("network: {}, {}, begins with {}; {} steps of {} samples\n", config_.network.architecture,
-        config_.network.convention,
+        config_.network.landmarks().name,
         config_.initial.empty() ? std::string("random weights") : config_.initial.string(), steps,
         config_.training.batch_size);
   }
