@@ -4,7 +4,7 @@
 // `raw` switches the hand model off; with `verify` each frame is verified before the next, so that neighbours follow, and frames are taken as the
 // program proposes them; `turns`: landmarks are also moved in the points, from the side and from above; `guess`: hidden ones are placed, too,
 // with a deviation of 10 mm. bench/labelling.cpp does the same without a browser.
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { Annotate, correctFarthest, errorOf, normals, openFrame, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
@@ -60,6 +60,16 @@ try {
   const percentile = (values, share) => values.toSorted((a, b) => a - b)[Math.floor(share * (values.length - 1))]?.toFixed(1);
   console.log(`${seen.length} frames${words.map((word) => `, ${word}`).join("")}: ${(corrections / seen.length).toFixed(2)} corrections per frame`);
   sums.forEach((sum, i) => console.log(`  after ${i} corrections: ${(sum / seen.length).toFixed(2)} mm`));
+  if (has("verify")) {
+    const scenes = `folder:${join(folder, "scenes")}`;
+    for (const smooth of [0, 4]) {
+      const poses = join(folder, `poses_${smooth}.txt`);
+      runProgram(program, ["labels", "export", "--source", scenes, "--labels", join(folder, "labels"), "--format", "poses", "--smooth", `${smooth}`, "--out", poses]);
+      runProgram(program, ["evaluate", "--truth", scenes, "--predictions", `labels=${poses}`, "--out", join(folder, `report_${smooth}`)]);
+      const [method] = JSON.parse(readFileSync(join(folder, `report_${smooth}`, "metrics.json"), "utf8")).methods;
+      console.log(`  exported with --smooth ${smooth}: ${method.mean_3d_mm.toFixed(2)} mm`);
+    }
+  }
   console.log(`  fit ${percentile(fits, 0.5)} ms, 95th percentile ${percentile(fits, 0.95)} ms; change to answer in the page ${percentile(answered, 0.5)} ms, ${percentile(answered, 0.95)} ms`);
 } finally {
   await browser.close();
