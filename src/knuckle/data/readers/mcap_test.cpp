@@ -34,10 +34,8 @@ using testing::little;
 using testing::McapTestForm;
 using testing::McapTestWriter;
 using testing::put_file;
-using testing::TestCameraInfo;
 using testing::TestImage;
 using testing::with_image;
-using testing::with_length;
 
 class McapTest : public ::testing::Test {
  protected:
