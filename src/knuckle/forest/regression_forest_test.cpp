@@ -99,6 +99,12 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
   EXPECT_THAT(fault_of([](auto& p) { p.trees.roots.clear(); }), HasSubstr("no first tree"));
 }
 
+TEST(RegressionForest, RefusesFeaturesAndScalesOfAnotherNumber) {
+  const RegressionForest forest = small_regression_forest();
+  const std::vector<float> scales(static_cast<std::size_t>(forest.target_count()) + 1, 1.0F);
+  EXPECT_THAT(error_of([&] { (void)forest.pruned(2, scales); }), HasSubstr("scales for"));
+}
+
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
   const auto fault_of = [](const std::function<void(ModelWriter&)>& write) {
     return error_of([&] { read_forest(written_model(write)); });

@@ -75,6 +75,10 @@ TEST(LabelChange, NonsenseIsRefusedByLineAndKey) {
   EXPECT_THAT(refusal(with(line, "\"verified\"", "\"guessed\"")), HasSubstr("landmarks.palm: is 'guessed'"));
   EXPECT_THAT(refusal(with(line, "12.3456", "1e300")), HasSubstr("landmarks.palm: is 1e+300"));
   EXPECT_THAT(refusal(with(line, "\"palm\"", "\"plam\"")), HasSubstr("'plam' is not the next landmark"));
+  const std::size_t end = line.find("}", line.find("\"landmarks\""));
+  const std::size_t last = line.rfind("null,\"", end) + 4;
+  EXPECT_THAT(refusal(with(line, line.substr(last, end - last), "")),
+              HasSubstr("landmarks: has 21 landmarks, expected 22"));
   EXPECT_THAT(refusal(with(line, ",\"act\":\"correct\"", "")), HasSubstr("lacks the key 'act'"));
   EXPECT_THAT(refusal(with(line, "\"seconds\"", "\"secs\"")), HasSubstr("unknown key 'secs'"));
   EXPECT_THAT(refusal(with(line, "\"revision\":7", "\"revision\":0")), HasSubstr("revision: is 0"));

@@ -45,9 +45,10 @@ std::string fault_of(const std::string& bytes) {
 }
 
 /// A file of this header and these entries, with a sum that fits.
-std::string file_of(const std::string& header, std::vector<ZipContent> entries = {}) {
+std::string file_of(const std::string& header, std::vector<ZipContent> entries = {},
+                    const std::string& name = "model.json") {
   const auto* const text = reinterpret_cast<const std::uint8_t*>(header.data());
-  entries.insert(entries.begin(), {"model.json", {text, header.size()}});
+  entries.insert(entries.begin(), {name, {text, header.size()}});
   std::string bytes = text_of(zip_of(entries, "knuckle-sum 0000000000000000"));
   bytes.resize(bytes.size() - 16);
   const std::span before(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
@@ -129,6 +130,9 @@ TEST(ModelFile, WhoseHeaderIsNotOneIsRefused) {
                                     std::string(2'000'000, '['), start + std::string(2'000'000, '[')}) {
     EXPECT_THAT(fault_of(file_of(header)), HasSubstr("header"));
   }
+  EXPECT_THAT(fault_of(file_of(start + "{}}", {}, "other.json")), HasSubstr("it has no model.json"));
+  EXPECT_THAT(fault_of(file_of(start + "{}}" + std::string(std::size_t{4} << 20, ' '))),
+              HasSubstr("its header is too long"));
 }
 
 TEST(ModelFile, WhoseShapesAndSizesDisagreeIsRefusedBeforeMemoryIsTaken) {
