@@ -50,6 +50,11 @@ TEST(LabelChange, ALineIsReadAsItWasWritten) {
   EXPECT_EQ(to_json_line(read, superset_convention()), line);
 }
 
+TEST(LabelChange, HasAllLandmarksOfTheLabels) {
+  EXPECT_THAT(testing::error_of([] { (void)to_json_line(some_change(), convention_from_name("icg20")); }),
+              HasSubstr("a change has 22 landmarks, the labels 20"));
+}
+
 TEST(LabelChange, AHeadIsReadAsItWasWritten) {
   const LabelHead head = testing::closing_hand_head(5);
   const std::string line = to_json_line(head);

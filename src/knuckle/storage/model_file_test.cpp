@@ -118,6 +118,11 @@ TEST(ModelFile, WhatIsMissingOrOfAnotherTypeIsNamed) {
   EXPECT_THAT(error_of([&] { file.number("name"); }), HasSubstr("name is not a number"));
   EXPECT_THAT(error_of([&] { file.texts("name"); }), HasSubstr("name is not a list of texts"));
   EXPECT_THAT(error_of([&] { file.integer("count", 0, 11); }), HasSubstr("count is 12, expected a whole"));
+  ModelWriter verbose = example();
+  verbose.set("bones", std::vector<std::string>{"wrist", std::string(4097, 'p')});
+  const ModelFile long_text = ModelFile::parse(text_of(verbose.bytes()), "a.model");
+  EXPECT_THAT(error_of([&] { long_text.texts("bones"); }),
+              HasSubstr("has 4097 characters, expected at most 4096"));
   EXPECT_THAT(error_of([&] { file.read<float>("weights"); }), HasSubstr("weights: the array is missing"));
   EXPECT_THAT(error_of([&] { file.read<double>("single"); }),
               HasSubstr("single has numbers of the type float32, expected float64"));

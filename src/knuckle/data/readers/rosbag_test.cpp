@@ -499,6 +499,15 @@ TEST_F(RosbagTest, TooManyConnectionsAreRefused) {
   EXPECT_THAT(fault(bag), HasSubstr("more than 16384 connections"));
 }
 
+TEST_F(RosbagTest, DescriptionsAreBounded) {
+  BagWriter of_long_topic;
+  of_long_topic.add("/" + std::string(std::size_t{1} << 20, 't'), kImage, 1.0, "");
+  EXPECT_THAT(fault(of_long_topic), HasSubstr("bytes, expected at most 1048576"));
+  BagWriter of_long_type;
+  of_long_type.add(kDepth, std::string(std::size_t{1} << 20, 't'), 1.0, "");
+  EXPECT_THAT(fault(of_long_type), HasSubstr("the description of a connection has"));
+}
+
 TEST_F(RosbagTest, AChunkThatSaysMoreThanItHoldsIsRefused) {
   for (const char* compression : {"bz2", "lz4"}) {
     for (const std::uint32_t more : {1u, 200'000'000u, ~0u}) {
