@@ -96,6 +96,29 @@ BENCHMARK_CAPTURE(whole_frame, creative, sensor_preset("creative").sensor)
     ->Name("render/full_sensor/320x240")
     ->Unit(benchmark::kMicrosecond);
 
+/// Frames of manifests/train_scenes.toml: rooms, tables, things, a second hand, all sensors; nobody is new.
+void scenes(benchmark::State& state) {
+  if (scene_or_skip(state) == nullptr) return;
+  constexpr std::int64_t kOfScenes = 256;
+  static const std::shared_ptr<const FrameSource> source = [] {
+    auto opened = open_synthetic(resource_path("manifests/train_scenes.toml"));
+    for (std::int64_t i = 0; i < kOfScenes; ++i) opened->read(i);
+    return opened;
+  }();
+  std::int64_t i = state.thread_index() * kOfScenes / state.threads();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(source->read(i));
+    i = (i + 1) % kOfScenes;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(scenes)
+    ->Name("render/scenes/320x240")
+    ->Threads(1)
+    ->Threads(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
+
 void sampling(benchmark::State& state) {
   run(state, [](const Scene& scene, std::int64_t i) { return scene.posture(i); });
 }

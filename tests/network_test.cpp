@@ -282,7 +282,12 @@ TEST_F(NetworkTest, ADetectorIsTrainedAndFindsHands) {
   EXPECT_TRUE(read_text_file(path("net.pt")) == model);
   EXPECT_THAT(train(sources() + detector + kTraining, {"--cache", path("cache")}), FailedWith("--cache"));
   EXPECT_THAT(train(sources() + detector + "kernel = 3\n"), FailedWith("network.kernel"));
-  EXPECT_THAT(train(sources() + "[samples]\nmemory_gb = 0.00001\n" + detector), FailedWith("memory_gb"));
+  const std::string little = "[samples]\nmemory_gb = 0.00001\n";
+  EXPECT_THAT(train(sources() + little + detector), FailedWith("by `stream = true` in [samples]"));
+  EXPECT_THAT(train(sources() + little + "stream = true\n" + detector),
+              FailedWith("lower `most_validation`"));
+  ASSERT_THAT(train(sources() + "[samples]\nstream = true\n" + detector + kTraining), Succeeded());
+  EXPECT_TRUE(read_text_file(path("net.pt")) == model) << "of frames that are read when they are needed";
 
   const auto segmentation = [&](const std::string& file) {
     return "[segmentation]\nmethod = 'detector'\nmodel = '" + file +

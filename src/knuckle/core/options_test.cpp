@@ -124,6 +124,12 @@ TEST(OptionsTest, AMissingTableIsEmpty) {
   root.finish();
 }
 
+TEST(OptionsTest, WhatIsNoTableIsNotReadAsOne) {
+  const OptionTable root = OptionTable::parse("x = 1\na = 2\n", "f");
+  EXPECT_THAT(error_of([&] { root.table("a"); }),
+              AllOf(StartsWith("f:2: a: expected a table"), HasSubstr("found a whole number")));
+}
+
 TEST(OptionsTest, ATableThatNobodyReadIsUnknown) {
   const OptionTable root = OptionTable::parse("[segmentatoin]\nx = 1", "f");
   root.table("segmentation");

@@ -236,6 +236,28 @@ TEST(FrameRecord, NamesPlaceAndFaultOfALineThatIsNone) {
   EXPECT_THAT(fault(start + R"("hands":[],"hands":[)" + std::string(10000, '[')), HasSubstr("JSON"));
 }
 
+TEST(FrameRecord, LandmarksAreAllOfTheConventionInItsOrder) {
+  const std::string line = to_json_line(record_with_hands());
+  const auto fault_with = [&](const std::string& old, const std::string& changed) {
+    std::string other = line;
+    const std::size_t place = other.find(old, other.find("\"landmarks_px\""));
+    return error_of([&] { parse_frame_record(other.replace(place, old.size(), changed), "r.jsonl:7"); });
+  };
+  EXPECT_THAT(fault_with("\"wrist\"", "\"palm2\""),
+              AllOf(HasSubstr("landmarks_px"), HasSubstr("is not the next landmark of")));
+  const std::size_t first = line.find("{\"wrist\"", line.find("\"landmarks_px\""));
+  const std::size_t end = line.find("}", first);
+  EXPECT_THAT(fault_with(line.substr(first, end - first), "{"), HasSubstr("has 0 landmarks, expected"));
+}
+
+TEST(FrameRecord, ASideIsRightLeftOrNull) {
+  std::string line = to_json_line(record_with_hands());
+  const std::size_t place = line.find("\"side\":") + 7;
+  line.replace(place, line.find(',', place) - place, "\"both\"");
+  EXPECT_THAT(error_of([&] { parse_frame_record(line, "r.jsonl:7"); }),
+              HasSubstr("side: is 'both', expected right, left or null"));
+}
+
 TEST(FrameRecord, EveryLineCutShortIsRefused) {
   const std::string line = to_json_line(record_with_hands());
   for (std::size_t length = 0; length < line.size(); length += 1 + length / 100)

@@ -8,6 +8,7 @@
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
+#include "knuckle/net/exported_network.h"
 #include "knuckle/net/heat_map.h"
 #include "knuckle/net/onnx/onnx_engine.h"
 #include "knuckle/net/onnx/onnx_file.h"
@@ -233,13 +234,46 @@ TEST_F(OnnxEstimatorTest, WhatDoesNotFitIsSaid) {
   EXPECT_THAT(fault(network, "gives = \"xyz\"\nxyz_mm = 0\n"), HasSubstr("xyz_mm"));
   EXPECT_THAT(fault(network, "gives = \"heat_maps\"\n"), HasSubstr("square heat maps"));
   EXPECT_THAT(fault(network, "patch = \"hand\"\npasses = 2\n"), HasSubstr("looked at once"));
-  EXPECT_THAT(fault(network, "near_value = 1\n"), HasSubstr("are the same"));
+  EXPECT_THAT(fault(network, "near_value = 1\n"), HasSubstr("near_value and far_value are the same"));
+  EXPECT_THAT(fault(network, "near_depth = 0.25\nfar_depth = 0.25\n"),
+              HasSubstr("near_depth and far_depth are the same"));
+  EXPECT_THAT(fault(network, "first_pixel = 0.5\nlast_pixel = 0.5\n"),
+              HasSubstr("first_pixel and last_pixel are the same"));
+  EXPECT_THAT(fault(network, "patch = \"hand\"\npasses = 1\ngives = \"heat_maps\"\n"),
+              HasSubstr("heat maps look depth up in a cube"));
   EXPECT_THAT(fault(network, "colour = 1\n"), HasSubstr("colour"));
   OnnxModel colours = network;
   colours.inputs.front().shape = {1, 3, kSize, kSize};
   colours.constants["row"] = integer_list({1, 3});
   colours.constants["w"] = filled({3 * kJoints, 3}, 0.0f);
   EXPECT_THAT(fault(colours, ""), HasSubstr("expected a square patch of one channel"));
+}
+
+/// Metadata say that the file is one of ours.
+TEST_F(OnnxEstimatorTest, AFileOfOursThatIsNotWhatItsMetadataSayIsRefused) {
+  NetworkOptions options;
+  options.architecture = "dense";
+  options.patch.mode = "cube";
+  options.patch.size_px = 32;
+  const std::int64_t joints = options.landmarks().size();
+  const auto fault_of = [&](std::int64_t size, const std::string& output, const OnnxShape& shape) {
+    OnnxModel model = testing::one_node("GlobalAveragePool", {1, 1, size, size});
+    const std::int64_t count = count_of(shape);
+    model.nodes.front().outputs = {"mean"};
+    model.constants = {
+        {"row", integer_list({1, 1})}, {"w", filled({count, 1})}, {"shape", integer_list(shape)}};
+    model.nodes.push_back({"Reshape", "flat", {"mean", "row"}, {"flat"}});
+    model.nodes.push_back({"Gemm", "gemm", {"flat", "w"}, {"numbers"}, {{"transB", std::int64_t{1}}}});
+    model.nodes.push_back({"Reshape", "last", {"numbers", "shape"}, {output}});
+    model.outputs.front().name = output;
+    set_exported_options(model, options);
+    return error_of([&] { (void)load(model, ""); });
+  };
+  EXPECT_THAT(fault_of(16, "landmarks", {1, joints, 3}),
+              AllOf(HasSubstr("its input is"), HasSubstr("but its metadata ask for")));
+  EXPECT_THAT(fault_of(32, "others", {1, joints, 3}), HasSubstr("it has no output 'landmarks'"));
+  EXPECT_THAT(fault_of(32, "landmarks", {1, joints, 2}),
+              AllOf(HasSubstr("its output 'landmarks' is"), HasSubstr("but its metadata ask for")));
 }
 
 TEST_F(OnnxEstimatorTest, APatchOfAnotherSizeAndNumbersThatAreNotFiniteAreSaid) {

@@ -97,6 +97,14 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
   EXPECT_THAT(fault_of([](auto& p) { p.trees.roots[1] = p.trees.roots[2]; }), HasSubstr("no nodes"));
   EXPECT_THAT(fault_of([](auto& p) { p.quantizer.step = NAN; }), HasSubstr("step"));
   EXPECT_THAT(fault_of([](auto& p) { p.trees.roots.clear(); }), HasSubstr("no first tree"));
+  EXPECT_THAT(fault_of([](auto& p) { p.feature_count = 0; }), HasSubstr("a forest on 0 features"));
+  EXPECT_THAT(fault_of([](auto& p) { p.leaves = {}; }), HasSubstr("x.model"));
+}
+
+TEST(RegressionForest, RefusesFeaturesAndScalesOfAnotherNumber) {
+  const RegressionForest forest = small_regression_forest();
+  const std::vector<float> scales(static_cast<std::size_t>(forest.target_count()) + 1, 1.0F);
+  EXPECT_THAT(error_of([&] { (void)forest.pruned(2, scales); }), HasSubstr("scales for"));
 }
 
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
@@ -113,6 +121,11 @@ TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
                 file.set("feature_step", 0.1);
               }),
               AllOf(HasSubstr("test.model"), HasSubstr("tree_root")));
+  EXPECT_THAT(fault_of([](ModelWriter& file) {
+                write_forest(file, small_regression_forest());
+                file.add("leaf_offset", {0}, std::vector<float>{});
+              }),
+              HasSubstr("test.model"));
 }
 
 }  // namespace

@@ -45,6 +45,15 @@ TEST(TrainingSamples, RefusesWhatCannotBeLearned) {
   EXPECT_TRUE(samples.is_set(2));
 }
 
+TEST(TrainingSamples, RefuseSizesThatAreOutOfRange) {
+  EXPECT_THAT(error_of([] { TrainingSamples(-1, 2, 1); }), HasSubstr("count is -1"));
+  EXPECT_THAT(error_of([] { TrainingSamples(std::int64_t{1} << 32, 2, 1); }),
+              HasSubstr("count is 4294967296"));
+  EXPECT_THAT(error_of([] { TrainingSamples(1, 0, 1); }), HasSubstr("0 features, expected [1, 65535]"));
+  EXPECT_THAT(error_of([] { TrainingSamples(1, 65536, 1); }), HasSubstr("65536 features"));
+  EXPECT_THAT(error_of([] { TrainingSamples(1, 2, 0); }), HasSubstr("0 targets"));
+}
+
 TEST(TrainingSamples, CanonicalOrderFollowsContents) {
   const RandomRows rows(50, 9, 3);
   std::vector<std::int64_t> place(50);

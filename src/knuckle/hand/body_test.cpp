@@ -68,6 +68,14 @@ TEST(BodyTest, MessagesNameTheFileAndTheFault) {
   EXPECT_THAT(error_after([](Body& body) { body.landmark_bones[0] = 77; }), HasSubstr("wrist is 77"));
   EXPECT_THAT(error_after([](Body& body) { body.names[2] = body.names[1]; }), HasSubstr("two bones"));
   EXPECT_THAT(error_after([](Body& body) { body.sections[0].vertices = 3; }), HasSubstr("section"));
+  EXPECT_THAT(error_after([](Body& body) { body.sections[0].faces = -1; }), HasSubstr("-1 faces"));
+  EXPECT_THAT(error_after([](Body& body) { body.shapedirs[0].offsets_mm[0].x() = INFINITY; }),
+              HasSubstr("'longer'"));
+  EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].vertices[0] = -1; }),
+              HasSubstr("names vertex -1"));
+  EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].weights[0] = NAN; }),
+              HasSubstr("a weight that is not a number"));
+  EXPECT_THAT(error_after([](Body& body) { body.parents.pop_back(); }), HasSubstr("parents has"));
 }
 
 TEST(BodyTest, CycleInParentsIsRefused) {

@@ -50,6 +50,11 @@ TEST(LabelChange, ALineIsReadAsItWasWritten) {
   EXPECT_EQ(to_json_line(read, superset_convention()), line);
 }
 
+TEST(LabelChange, HasAllLandmarksOfTheLabels) {
+  EXPECT_THAT(testing::error_of([] { (void)to_json_line(some_change(), convention_from_name("icg20")); }),
+              HasSubstr("a change has 22 landmarks, the labels 20"));
+}
+
 TEST(LabelChange, AHeadIsReadAsItWasWritten) {
   const LabelHead head = testing::closing_hand_head(5);
   const std::string line = to_json_line(head);
@@ -75,6 +80,10 @@ TEST(LabelChange, NonsenseIsRefusedByLineAndKey) {
   EXPECT_THAT(refusal(with(line, "\"verified\"", "\"guessed\"")), HasSubstr("landmarks.palm: is 'guessed'"));
   EXPECT_THAT(refusal(with(line, "12.3456", "1e300")), HasSubstr("landmarks.palm: is 1e+300"));
   EXPECT_THAT(refusal(with(line, "\"palm\"", "\"plam\"")), HasSubstr("'plam' is not the next landmark"));
+  const std::size_t end = line.find("}", line.find("\"landmarks\""));
+  const std::size_t last = line.rfind("null,\"", end) + 4;
+  EXPECT_THAT(refusal(with(line, line.substr(last, end - last), "")),
+              HasSubstr("landmarks: has 21 landmarks, expected 22"));
   EXPECT_THAT(refusal(with(line, ",\"act\":\"correct\"", "")), HasSubstr("lacks the key 'act'"));
   EXPECT_THAT(refusal(with(line, "\"seconds\"", "\"secs\"")), HasSubstr("unknown key 'secs'"));
   EXPECT_THAT(refusal(with(line, "\"revision\":7", "\"revision\":0")), HasSubstr("revision: is 0"));

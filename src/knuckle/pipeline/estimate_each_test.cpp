@@ -117,6 +117,16 @@ TEST_F(EstimateEachTest, ResultsOfFramesOfVeryDifferentCostComeInOrderAndAreThei
   EXPECT_EQ(taken, 300);
 }
 
+TEST(RunOptions, AreChecked) {
+  EXPECT_NO_THROW(RunOptions{}.check());
+  EXPECT_THAT(error_of([] { RunOptions{.first = -1}.check(); }),
+              HasSubstr("first is -1, expected at least 0"));
+  EXPECT_THAT(error_of([] { RunOptions{.frames_in_flight = -1}.check(); }),
+              HasSubstr("frames_in_flight is -1"));
+  EXPECT_THAT(error_of([] { RunOptions{.frames_in_flight = 1 << 30}.check(); }),
+              HasSubstr("frames_in_flight is 1073741824, expected 0 to"));
+}
+
 TEST_F(EstimateEachTest, AllResultsAreInTheOrderOfTheFrames) {
   const CountedSource source(100);
   const std::vector<FrameEstimate> frames = estimate_all(source, pipeline_, Start::nearest, "x");

@@ -10,7 +10,6 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/prepare/open_source.h"
-#include "knuckle/segment/camera_cache.h"
 
 namespace knuckle {
 namespace {
@@ -103,19 +102,26 @@ LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const Detecto
   return numbers;
 }
 
-DetectorSamples detector_samples(const std::string& source_name, const DetectorOptions& options,
-                                 std::int64_t most) {
-  const auto source = open_source(source_name);
-  if (!source->convention()) fail("{}: the source has no truth to train on", source_name);
-  const std::int64_t count = most > 0 ? std::min(most, source->size()) : source->size();
-  DetectorSamples samples(options, count);
-  CameraCache<DetectorView> views(
-      [&](const Camera& camera) { return std::make_shared<const DetectorView>(options, camera); });
-  Progress progress("samples", "frames", count);
-  parallel_for(count, [&](std::int64_t i) {
-    const Frame frame = source->read(i * source->size() / count);
-    const std::shared_ptr<const DetectorView> view = views.of(frame.camera);
-    samples.set(i, view->shrink(frame.depth_mm), hand_numbers(labelled_hands(frame), *view));
+DetectorFrames::DetectorFrames(const std::string& source, const DetectorOptions& options, std::int64_t most)
+    : source_(open_source(source)),
+      options_(options),
+      count_(most > 0 ? std::min(most, source_->size()) : source_->size()),
+      views_(
+          [options](const Camera& camera) { return std::make_shared<const DetectorView>(options, camera); }) {
+  if (!source_->convention()) fail("{}: the source has no truth to train on", source);
+}
+
+void DetectorFrames::put(std::int64_t number, DetectorSamples& to, std::int64_t place) const {
+  const Frame frame = source_->read(number * source_->size() / count_);
+  const std::shared_ptr<const DetectorView> view = views_.of(frame.camera);
+  to.set(place, view->shrink(frame.depth_mm), hand_numbers(labelled_hands(frame), *view));
+}
+
+DetectorSamples samples_of(const DetectorFrames& frames) {
+  DetectorSamples samples(frames.options(), frames.size());
+  Progress progress("samples", "frames", frames.size());
+  parallel_for(frames.size(), [&](std::int64_t i) {
+    frames.put(i, samples, i);
     progress.advance();
   });
   return samples;

@@ -3,12 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "knuckle/core/frame.h"
+#include "knuckle/data/frame_source.h"
+#include "knuckle/segment/camera_cache.h"
 #include "knuckle/segment/detector/detector_view.h"
 
 namespace knuckle {
@@ -77,9 +80,27 @@ class DetectorSamples {
 /// The numbers of a frame's hands in a view of its camera.
 LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const DetectorView& view);
 
-/// Shrinks frames of a source, `most` of them at most, evenly spread; 0: all. On all threads. Frames without
-/// a hand are samples too. Throws an Error where the source has no truth.
-DetectorSamples detector_samples(const std::string& source, const DetectorOptions& options,
-                                 std::int64_t most);
+/// Frames of a source as samples, read and shrunk each time that they are asked for. Frames without a hand
+/// are samples too. Safe to be used by many threads at once.
+class DetectorFrames {
+ public:
+  /// `most` frames at most, evenly spread; 0: all. Throws an Error where the source has no truth.
+  DetectorFrames(const std::string& source, const DetectorOptions& options, std::int64_t most);
+
+  const DetectorOptions& options() const { return options_; }
+  std::int64_t size() const { return count_; }
+  /// Sets sample `place` of `to` to the one of this number, in [0, size). Throws an Error where its frame
+  /// cannot be read.
+  void put(std::int64_t number, DetectorSamples& to, std::int64_t place) const;
+
+ private:
+  std::unique_ptr<const FrameSource> source_;
+  DetectorOptions options_;
+  std::int64_t count_;
+  mutable CameraCache<DetectorView> views_;
+};
+
+/// All samples of these frames in memory, on all threads.
+DetectorSamples samples_of(const DetectorFrames& frames);
 
 }  // namespace knuckle

@@ -173,8 +173,9 @@ TEST(DetectorViews, FaultsKeepNumbersInTheirRanges) {
 TEST(DetectorSamples, OfAManifestAreTheSameOnAnyNumberOfThreads) {
   const DetectorOptions options{.width = 64, .height = 48, .focal_cells = 43.0};
   const std::string source = "synthetic:manifests/demo.toml";
-  const DetectorSamples samples = detector_samples(source, options, 6);
-  const DetectorSamples again = detector_samples(source, options, 6);
+  const DetectorFrames frames(source, options, 6);
+  const DetectorSamples samples = samples_of(frames);
+  const DetectorSamples again = samples_of(frames);
   ASSERT_EQ(samples.size(), 6);
   for (std::int64_t i = 0; i < samples.size(); ++i) {
     EXPECT_TRUE(std::ranges::equal(samples.sample(i).codes, again.sample(i).codes));

@@ -158,6 +158,15 @@ TEST_F(SampleBlocksTest, AreNamedWhereTheyAreCutShortMissingOrOfAnotherSet) {
   EXPECT_THAT(error_of([&] { open(); }), AllOf(HasSubstr("index.h5"), HasSubstr("other sources or options")));
 }
 
+TEST_F(SampleBlocksTest, AreNamedWhereTheyHaveOtherSamplesThanBefore) {
+  const auto blocks = open();
+  std::filesystem::remove(index());
+  std::filesystem::remove(block(1));
+  open(-1, 5);  // other frames cannot be used
+  EXPECT_THAT(error_of([&] { fetched(*blocks, {1200}); }),
+              AllOf(HasSubstr("block_000001.h5"), HasSubstr("is not the block that it was; remove it")));
+}
+
 TEST_F(SampleBlocksTest, OfWhichAnyByteIsDamagedAreNamedOrGiveTheSameSamples) {
   const auto blocks = open();
   const std::vector<std::int64_t> numbers = all_of(*blocks);

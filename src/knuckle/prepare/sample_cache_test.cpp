@@ -159,6 +159,21 @@ TEST_F(SampleCacheTest, ADamagedOrForeignFileIsNamed) {
     changed.write_rows("centres_mm", 0, 1, nothing.data());
   }
   EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("centre"), HasSubstr("remove the file")));
+  const auto fault_with = [&](const std::string& attribute, const std::vector<double>& numbers) {
+    write_text_file(file, whole);
+    Hdf5Writer changed = Hdf5Writer::open(file);
+    changed.set_attribute(attribute, numbers);
+    changed.close();
+    return fault();
+  };
+  EXPECT_THAT(fault_with("patch", {64.0}), AllOf(names_it, HasSubstr("shapes of its arrays do not fit")));
+  EXPECT_THAT(fault_with("patch", {0.0, 150.0}),
+              AllOf(names_it, HasSubstr("its patch or its joints are out of range")));
+  EXPECT_THAT(fault_with("patch", {64.0, -1.0}),
+              AllOf(names_it, HasSubstr("its patch or its joints are out of range")));
+  EXPECT_THAT(fault_with("frames", {6.0, 0.0}), AllOf(names_it, HasSubstr("2 numbers, expected 3")));
+  EXPECT_THAT(fault_with("frames", {6.0, -1.0, 0.0}),
+              AllOf(names_it, HasSubstr("expected 3 numbers of frames")));
   write_text_file(file, whole);
   {
     Hdf5Writer changed = Hdf5Writer::open(file);

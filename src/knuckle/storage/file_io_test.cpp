@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/storage/file_io.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -20,6 +21,8 @@ namespace {
 
 /// What this program hands to the disk, in its order; not kept where there is no list.
 std::optional<std::vector<std::filesystem::path>> g_flushed;
+/// Whether the disk cannot take what is handed to it.
+bool g_is_disk_broken = false;
 /// What the system says when it is asked for random bits; the system itself where there is none.
 std::optional<std::uint64_t> g_random;
 
@@ -28,6 +31,10 @@ std::optional<std::uint64_t> g_random;
 
 // These take the place of the system's: what they were asked shows nowhere else.
 extern "C" int fsync(int descriptor) {
+  if (knuckle::g_is_disk_broken) {
+    errno = EIO;
+    return -1;
+  }
   if (knuckle::g_flushed) {
     knuckle::g_flushed->push_back(
         std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
@@ -130,6 +137,17 @@ TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
   EXPECT_THAT(error_of([&] { write_file_atomically(folder / "report.html", fill_the_disk); }),
               HasSubstr("report.html"));
   EXPECT_EQ(entries_in(folder.path()), 0u);
+}
+
+TEST(FileIoTest, ADiskThatCannotTakeItLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "file.txt", "former");
+  g_is_disk_broken = true;
+  const std::string message = error_of([&] { write_text_file(folder / "file.txt", "text"); });
+  g_is_disk_broken = false;
+  EXPECT_THAT(message, HasSubstr("file.txt: cannot write: Input/output error"));
+  EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 
 TEST(FileIoTest, TemporaryNamesCannotBeGuessed) {

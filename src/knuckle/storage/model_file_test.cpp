@@ -45,9 +45,10 @@ std::string fault_of(const std::string& bytes) {
 }
 
 /// A file of this header and these entries, with a sum that fits.
-std::string file_of(const std::string& header, std::vector<ZipContent> entries = {}) {
+std::string file_of(const std::string& header, std::vector<ZipContent> entries = {},
+                    const std::string& name = "model.json") {
   const auto* const text = reinterpret_cast<const std::uint8_t*>(header.data());
-  entries.insert(entries.begin(), {"model.json", {text, header.size()}});
+  entries.insert(entries.begin(), {name, {text, header.size()}});
   std::string bytes = text_of(zip_of(entries, "knuckle-sum 0000000000000000"));
   bytes.resize(bytes.size() - 16);
   const std::span before(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
@@ -117,6 +118,11 @@ TEST(ModelFile, WhatIsMissingOrOfAnotherTypeIsNamed) {
   EXPECT_THAT(error_of([&] { file.number("name"); }), HasSubstr("name is not a number"));
   EXPECT_THAT(error_of([&] { file.texts("name"); }), HasSubstr("name is not a list of texts"));
   EXPECT_THAT(error_of([&] { file.integer("count", 0, 11); }), HasSubstr("count is 12, expected a whole"));
+  ModelWriter verbose = example();
+  verbose.set("bones", std::vector<std::string>{"wrist", std::string(4097, 'p')});
+  const ModelFile long_text = ModelFile::parse(text_of(verbose.bytes()), "a.model");
+  EXPECT_THAT(error_of([&] { long_text.texts("bones"); }),
+              HasSubstr("has 4097 characters, expected at most 4096"));
   EXPECT_THAT(error_of([&] { file.read<float>("weights"); }), HasSubstr("weights: the array is missing"));
   EXPECT_THAT(error_of([&] { file.read<double>("single"); }),
               HasSubstr("single has numbers of the type float32, expected float64"));
@@ -129,6 +135,9 @@ TEST(ModelFile, WhoseHeaderIsNotOneIsRefused) {
                                     std::string(2'000'000, '['), start + std::string(2'000'000, '[')}) {
     EXPECT_THAT(fault_of(file_of(header)), HasSubstr("header"));
   }
+  EXPECT_THAT(fault_of(file_of(start + "{}}", {}, "other.json")), HasSubstr("it has no model.json"));
+  EXPECT_THAT(fault_of(file_of(start + "{}}" + std::string(std::size_t{4} << 20, ' '))),
+              HasSubstr("its header is too long"));
 }
 
 TEST(ModelFile, WhoseShapesAndSizesDisagreeIsRefusedBeforeMemoryIsTaken) {

@@ -99,6 +99,10 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
   EXPECT_LT(mirrored, 30);
 }
 
+TEST(CubeSampleViews, NeedASample) {
+  EXPECT_THAT(error_of([] { CubeSampleViews({}, {}); }), HasSubstr("there is no sample to train on"));
+}
+
 TEST(CubeSampleViews, NeedANetworkThatTellsSidesForMirrors) {
   const CubeSamples samples = made_up_samples(1);
   AugmentationOptions mirrors = no_augmentation();

@@ -2,6 +2,8 @@
 #include "knuckle/training/detector_training.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
@@ -10,21 +12,44 @@
 namespace knuckle {
 namespace {
 
-constexpr double kBytesPerGigabyte = 1e9;
+constexpr std::int64_t kMostAtOnce = 1024;  ///< frames that are read together
 
-void check_memory(const DetectorTrainingConfig& config) {
-  const auto frames_of = [](const std::string& source, int most) {
-    const std::int64_t size = open_source(source)->size();
-    return most > 0 ? std::min<std::int64_t>(most, size) : size;
-  };
-  const std::int64_t count = frames_of(config.source, config.samples.most) +
-                             frames_of(config.validation, config.samples.most_validation);
-  const double gigabytes =
-      static_cast<double>(DetectorSamples::bytes(count, config.network)) / kBytesPerGigabyte;
+double gigabytes_of(std::int64_t frames, const DetectorOptions& network) {
+  constexpr double kBytesPerGigabyte = 1e9;
+  return static_cast<double>(DetectorSamples::bytes(frames, network)) / kBytesPerGigabyte;
+}
+
+void require_memory(const DetectorTrainingConfig& config, std::int64_t training, std::int64_t validation) {
+  const double gigabytes = gigabytes_of(training + validation, config.network);
   if (gigabytes > config.samples.memory_gb) {
-    fail("{} samples take {:.2f} GB, more than memory_gb, {}: lower `most`", count, gigabytes,
-         config.samples.memory_gb);
+    fail(
+        "{} samples take {:.2f} GB, more than memory_gb, {}: lower `most`, or have frames read when they are "
+        "needed by `stream = true` in [samples]",
+        training + validation, gigabytes, config.samples.memory_gb);
   }
+}
+
+/// How many frames are read together; one reading is used while the next is made. Throws an Error where there
+/// is no room for a batch in each.
+std::int64_t most_at_once(const DetectorTrainingConfig& config, std::int64_t validation) {
+  const int batch = config.training.batch_size;
+  const double gigabytes = gigabytes_of(validation + 2 * batch, config.network);
+  if (gigabytes > config.samples.memory_gb) {
+    fail(
+        "{} samples of the validation and two batches of {} take {:.2g} GB, more than memory_gb, {}: lower "
+        "`most_validation` or `batch_size`",
+        validation, batch, gigabytes, config.samples.memory_gb);
+  }
+  const double left = config.samples.memory_gb - gigabytes_of(validation, config.network);
+  const double twice = left / gigabytes_of(1, config.network);
+  return static_cast<std::int64_t>(
+      std::min(static_cast<double>(std::max<std::int64_t>(kMostAtOnce, batch)), 0.5 * twice));
+}
+
+void check_sizes(const DetectorOptions& network, std::int64_t training, std::int64_t validation) {
+  check(network, "training");
+  if (training == 0) fail("training: there is no sample to train on");
+  if (validation == 0) fail("training: there is no sample to validate on");
 }
 
 }  // namespace
@@ -33,6 +58,7 @@ void DetectorSampleOptions::visit(OptionVisitor& visitor) {
   visitor.integer("most", most, closed(0, 1e9));
   visitor.integer("most_validation", most_validation, closed(0, 1e9));
   visitor.real("memory_gb", memory_gb, open_closed(0, 10000));
+  visitor.flag("stream", stream);
 }
 
 bool is_of_detector(const std::filesystem::path& config) {
@@ -64,21 +90,38 @@ std::vector<TrainingMetrics> train_detector(const DetectorOptions& network,
                                             const DetectorSamples& training,
                                             const DetectorSamples& validation,
                                             const NetworkTrainingRun& run) {
-  check(network, "training");
-  if (training.size() == 0) fail("training: there is no sample to train on");
-  if (validation.size() == 0) fail("training: there is no sample to validate on");
-  return train(DetectorTrainingTask(network, augmentation, training, validation), options, run);
+  check_sizes(network, training.size(), validation.size());
+  auto views = std::make_shared<const DetectorSampleViews>(training, augmentation);
+  return train(DetectorTrainingTask(network, augmentation, std::move(views), validation), options, run);
+}
+
+std::vector<TrainingMetrics> train_detector(const DetectorOptions& network,
+                                            const NetworkTrainingOptions& options,
+                                            const DetectorAugmentation& augmentation,
+                                            const DetectorFrames& training, std::int64_t most_at_once,
+                                            const DetectorSamples& validation,
+                                            const NetworkTrainingRun& run) {
+  check_sizes(network, training.size(), validation.size());
+  auto views = std::make_shared<const StreamedDetectorViews>(training, augmentation, most_at_once);
+  return train(DetectorTrainingTask(network, augmentation, std::move(views), validation), options, run);
 }
 
 std::vector<TrainingMetrics> run_detector_training(const DetectorTrainingConfig& config,
                                                    const NetworkTrainingRun& run) {
-  check_memory(config);
-  const DetectorSamples validation =
-      detector_samples(config.validation, config.network, config.samples.most_validation);
-  const DetectorSamples training = detector_samples(config.source, config.network, config.samples.most);
+  const DetectorFrames training(config.source, config.network, config.samples.most);
+  const DetectorFrames validating(config.validation, config.network, config.samples.most_validation);
+  if (!config.samples.stream) require_memory(config, training.size(), validating.size());
+  const std::int64_t at_once =
+      config.samples.stream ? most_at_once(config, validating.size()) : training.size();
+  const DetectorSamples validation = samples_of(validating);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
-  return train_detector(config.network, config.training, config.augmentation, training, validation, begun);
+  if (config.samples.stream) {
+    return train_detector(config.network, config.training, config.augmentation, training, at_once, validation,
+                          begun);
+  }
+  return train_detector(config.network, config.training, config.augmentation, samples_of(training),
+                        validation, begun);
 }
 
 }  // namespace knuckle

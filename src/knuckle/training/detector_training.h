@@ -33,6 +33,8 @@ struct DetectorSampleOptions {
   int most = 0;             ///< Frames of `source` used at most, evenly spread, [0, 1e9]; 0: all
   int most_validation = 0;  ///< The same of `validation`
   double memory_gb = 8.0;   ///< More than that is an error, (0, 10000]
+  /// Frames are read each time that they are needed, and kept nowhere; those of the validation are in memory.
+  bool stream = false;
 
   void visit(OptionVisitor& visitor);
 };
@@ -70,6 +72,14 @@ std::vector<TrainingMetrics> train_detector(const DetectorOptions& network,
                                             const NetworkTrainingOptions& options,
                                             const DetectorAugmentation& augmentation,
                                             const DetectorSamples& training,
+                                            const DetectorSamples& validation, const NetworkTrainingRun& run);
+
+/// The same of frames that are not in memory, of which `most_at_once` are read together and twice as many
+/// held. The model has the same bytes.
+std::vector<TrainingMetrics> train_detector(const DetectorOptions& network,
+                                            const NetworkTrainingOptions& options,
+                                            const DetectorAugmentation& augmentation,
+                                            const DetectorFrames& training, std::int64_t most_at_once,
                                             const DetectorSamples& validation, const NetworkTrainingRun& run);
 
 /// Makes the samples of a configuration and trains. Throws an Error where a source has no truth or the

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <torch/utils.h>
 
@@ -79,6 +80,55 @@ void DetectorSampleViews::view(std::int64_t index, Random& random, std::span<flo
   excuse_unseen_hands(samples_.options(), input, target);
 }
 
+/// Some frames in memory.
+class StreamedDetectorViews::Fetched final : public SampleViews {
+ public:
+  Fetched(const StreamedDetectorViews& all, std::vector<std::int64_t> numbers)
+      : numbers_(std::move(numbers)),
+        samples_(all.frames_.options(), std::ssize(numbers_)),
+        views_(samples_, all.augmentation_) {
+    parallel_for(
+        size(), [&](std::int64_t i) { all.frames_.put(numbers_[static_cast<std::size_t>(i)], samples_, i); });
+  }
+  std::int64_t size() const override { return std::ssize(numbers_); }
+  std::vector<std::int64_t> input_shape() const override { return views_.input_shape(); }
+  std::vector<std::int64_t> target_shape() const override { return views_.target_shape(); }
+  void view(std::int64_t index, Random& random, std::span<float> input,
+            std::span<float> target) const override {
+    const auto found = std::ranges::lower_bound(numbers_, index);
+    if (found == numbers_.end() || *found != index) fail("training: sample {} was not fetched", index);
+    views_.view(found - numbers_.begin(), random, input, target);
+  }
+
+ private:
+  std::vector<std::int64_t> numbers_;  ///< rising
+  DetectorSamples samples_;
+  DetectorSampleViews views_;
+};
+
+StreamedDetectorViews::StreamedDetectorViews(const DetectorFrames& frames,
+                                             const DetectorAugmentation& augmentation,
+                                             std::int64_t most_at_once)
+    : frames_(frames),
+      augmentation_(augmentation),
+      most_at_once_(most_at_once),
+      none_(frames.options(), 0),
+      shapes_(none_, augmentation) {}
+
+void StreamedDetectorViews::view(std::int64_t index, Random& random, std::span<float> input,
+                                 std::span<float> target) const {
+  fetched(std::span(&index, 1))->view(index, random, input, target);
+}
+
+std::shared_ptr<const SampleViews> StreamedDetectorViews::fetched(
+    std::span<const std::int64_t> indices) const {
+  std::vector<std::int64_t> numbers(indices.begin(), indices.end());
+  std::ranges::sort(numbers);
+  const auto twice = std::ranges::unique(numbers);
+  numbers.erase(twice.begin(), twice.end());
+  return std::make_shared<const Fetched>(*this, std::move(numbers));
+}
+
 void DetectionCounts::add(const DetectionCounts& other) {
   frames += other.frames;
   hands += other.hands;
@@ -146,11 +196,9 @@ DetectorMaps maps_of_sample(const torch::Tensor& output, std::int64_t index) {
 
 DetectorTrainingTask::DetectorTrainingTask(const DetectorOptions& network,
                                            const DetectorAugmentation& augmentation,
-                                           const DetectorSamples& training, const DetectorSamples& validation)
-    : options_(network),
-      augmentation_(augmentation),
-      views_(std::make_shared<const DetectorSampleViews>(training, augmentation)),
-      validation_(validation) {}
+                                           std::shared_ptr<const SampleViews> training,
+                                           const DetectorSamples& validation)
+    : options_(network), augmentation_(augmentation), views_(std::move(training)), validation_(validation) {}
 
 std::shared_ptr<TrainableModule> DetectorTrainingTask::make_module(std::uint64_t seed) const {
   return make_detector_network(options_, seed);

@@ -26,6 +26,33 @@ class DetectorSampleViews final : public SampleViews {
   DetectorAugmentation augmentation_;
 };
 
+/// The same of frames that are not in memory, read when they are needed. Numbers are those of the frames.
+/// Safe to be used by many threads at once.
+class StreamedDetectorViews final : public SampleViews {
+ public:
+  /// `frames` have to live as long as this; of them `most_at_once`, at least 1, are read together.
+  StreamedDetectorViews(const DetectorFrames& frames, const DetectorAugmentation& augmentation,
+                        std::int64_t most_at_once);
+
+  std::int64_t size() const override { return frames_.size(); }
+  std::vector<std::int64_t> input_shape() const override { return shapes_.input_shape(); }
+  std::vector<std::int64_t> target_shape() const override { return shapes_.target_shape(); }
+  /// Reads the one frame.
+  void view(std::int64_t index, Random& random, std::span<float> input,
+            std::span<float> target) const override;
+  std::shared_ptr<const SampleViews> fetched(std::span<const std::int64_t> indices) const override;
+  std::int64_t most_at_once() const override { return most_at_once_; }
+
+ private:
+  class Fetched;
+
+  const DetectorFrames& frames_;
+  DetectorAugmentation augmentation_;
+  std::int64_t most_at_once_;
+  DetectorSamples none_;
+  DetectorSampleViews shapes_;  ///< of no sample
+};
+
 /// What is counted in a detector's validation.
 struct DetectionCounts {
   std::int64_t frames = 0;
@@ -48,9 +75,9 @@ DetectionCounts counts_of(const std::vector<DetectedHand>& detected, std::span<c
 /// The training of a detector.
 class DetectorTrainingTask final : public TrainingTask {
  public:
-  /// Both sets of samples have to live as long as this.
+  /// `validation` has to live as long as this.
   DetectorTrainingTask(const DetectorOptions& network, const DetectorAugmentation& augmentation,
-                       const DetectorSamples& training, const DetectorSamples& validation);
+                       std::shared_ptr<const SampleViews> training, const DetectorSamples& validation);
 
   std::shared_ptr<TrainableModule> make_module(std::uint64_t seed) const override;
   std::shared_ptr<const SampleViews> views() const override { return views_; }
@@ -62,7 +89,7 @@ class DetectorTrainingTask final : public TrainingTask {
  private:
   DetectorOptions options_;
   DetectorAugmentation augmentation_;
-  std::shared_ptr<const DetectorSampleViews> views_;
+  std::shared_ptr<const SampleViews> views_;
   const DetectorSamples& validation_;
 };
 

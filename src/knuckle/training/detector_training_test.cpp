@@ -150,7 +150,8 @@ TEST(DetectorAnswers, AreTheSameInTrainingAndInUse) {
     const auto network = make_detector_network(options, 3);
     make_detector_like_trained(*network);
     const DetectorSamples none(options, 1);
-    const DetectorTrainingTask task(options, {}, none, none);
+    const DetectorTrainingTask task(
+        options, {}, std::make_shared<const DetectorSampleViews>(none, DetectorAugmentation{}), none);
     task.save(folder / "hands.pt", *network);
     const HandDetector in_use(load_detector_weights(folder / "hands.pt"));
     const Frame frame = labelled_frame(4);
@@ -203,6 +204,45 @@ TEST_F(DetectorTraining, GivesTheSameBytesOnAnyNumberOfThreadsAndAfterAStop) {
   EXPECT_THAT(metrics.back().validation,
               ::testing::Pointwise(::testing::NanSensitiveDoubleEq(),
                                    train(short_training(), resumed).back().validation));
+}
+
+TEST_F(DetectorTraining, OfFramesThatAreReadWhenNeededGivesTheBytesOfMemory) {
+  const DetectorFrames frames("synthetic:manifests/demo.toml", small_detector(), 7);
+  const DetectorSamples in_memory = samples_of(frames);
+  train_detector(small_detector(), short_training(), {}, in_memory, samples_,
+                 testing::run_in(folder_.path(), "memory"));
+  for (const int at_once : {1, 3, 100}) {
+    const std::string name = fmt::format("streamed_{}", at_once);
+    train_detector(small_detector(), short_training(), {}, frames, at_once, samples_,
+                   testing::run_in(folder_.path(), name));
+    EXPECT_EQ(bytes_of(name + ".pt"), bytes_of("memory.pt")) << at_once;
+  }
+}
+
+TEST(StreamedDetectorViews, AreThoseOfMemoryWhereverTheyAreAskedFor) {
+  const DetectorFrames frames("synthetic:manifests/demo.toml", small_detector(), 5);
+  const DetectorSamples in_memory = samples_of(frames);
+  const DetectorSampleViews expected(in_memory, {});
+  const StreamedDetectorViews streamed(frames, {}, 2);
+  EXPECT_EQ(streamed.size(), 5);
+  EXPECT_EQ(streamed.most_at_once(), 2);
+  const std::vector<std::int64_t> asked = {4, 1, 1};
+  const std::shared_ptr<const SampleViews> some = streamed.fetched(asked);
+  EXPECT_EQ(some->size(), 2);
+  const auto view_of = [&](const SampleViews& views, std::int64_t index) {
+    std::vector<float> numbers(kDetectorInputs * 64 * 48 + kMostLabelledHands * kHandNumbers);
+    const std::size_t inputs = numbers.size() - kMostLabelledHands * kHandNumbers;
+    Random random(9);
+    views.view(index, random, std::span(numbers).first(inputs), std::span(numbers).subspan(inputs));
+    return numbers;
+  };
+  for (const std::int64_t index : {1, 4}) {
+    EXPECT_THAT(view_of(*some, index),
+                ::testing::Pointwise(::testing::NanSensitiveFloatEq(), view_of(expected, index)));
+    EXPECT_THAT(view_of(streamed, index),
+                ::testing::Pointwise(::testing::NanSensitiveFloatEq(), view_of(expected, index)));
+  }
+  EXPECT_THAT(error_of([&] { view_of(*some, 2); }), HasSubstr("sample 2 was not fetched"));
 }
 
 TEST_F(DetectorTraining, LearnsToFindMadeUpHands) {

@@ -43,6 +43,15 @@ TEST_F(FrameLogTest, KeepsWhatManyThreadsBringAndHandsItBack) {
   for (std::int64_t i = 0; i < 300; ++i) EXPECT_EQ(log.read(i), content_of(i));
 }
 
+TEST_F(FrameLogTest, AFrameThatItLacksIsNamed) {
+  FrameLog log(path, "run");
+  for (const std::int64_t index : {2, 5}) log.append(index, content_of(index));
+  for (const std::int64_t index : {0, 3, 6}) {
+    EXPECT_THAT(error_of([&] { log.read(index); }),
+                AllOf(HasSubstr("frames.log"), HasSubstr(fmt::format("frame {} is not in it", index))));
+  }
+}
+
 TEST_F(FrameLogTest, CutAnywhereItKeepsTheRecordsThatAreWhole) {
   {
     FrameLog log(path, "run");

@@ -193,6 +193,15 @@ TEST_F(MatlabArrayTest, ValuesThatDoNotFitTheirShapeAreRefused) {
       HasSubstr("not an array of doubles"));
 }
 
+TEST_F(MatlabArrayTest, IsReadToItsEndAndNoFarther) {
+  const std::string content = matrix(kFlags + kTwoByThree + kName + tagged(9, std::string(48, '\0')));
+  EXPECT_THAT(error_of_file(header() + content, 7), HasSubstr("has 6 values left, asked for 7"));
+  EXPECT_THAT(error_of_file(header() + content, 5), HasSubstr("1 of its values were not read"));
+  std::string short_head = content;
+  short_head[4] = static_cast<char>(short_head[4] - 8);  // the array ends before its last value does
+  EXPECT_THAT(error_of_file(header() + packed(short_head)), HasSubstr("a.mat"));
+}
+
 TEST_F(MatlabArrayTest, DamagedPackedBytesAreRefused) {
   std::string values;
   for (int i = 0; i < 6; ++i) values += bytes_of(std::sqrt(static_cast<double>(i)));

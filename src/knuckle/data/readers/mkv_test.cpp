@@ -505,6 +505,13 @@ TEST_F(MkvTest, LengthsThatLieAreRefused) {
   EXPECT_GT(lies, 100);
 }
 
+TEST_F(MkvTest, DescriptionsAreBounded) {
+  const std::string tracks = mkv_element(0x1654AE6B, std::string((1 << 20) + 1, '\0'));
+  EXPECT_THAT(fault_of_bytes(mkv_element(0x1A45DFA3, mkv_element(0x4282, "matroska")) +
+                             mkv_element(0x18538067, tracks)),
+              HasSubstr("a description has 1048577 bytes, expected at most 1048576"));
+}
+
 TEST_F(MkvTest, SumsAreChecked) {
   std::string bytes = recorded({.has_others = true}, 1).bytes();
   bytes[bytes.find("COLOR")] ^= 1;

@@ -144,6 +144,16 @@ TEST(Nyu, NamesFileAndFault) {
               AllOf(HasSubstr("joint_data.mat"), HasSubstr("labels 2 frames, asked for frame 3")));
 }
 
+TEST(Nyu, RefusesViewsThatAreNotThereOrTooMany) {
+  const testing::TemporaryFolder folder;
+  write_mat(folder / "two.mat", {2, 1, 36, 3}, MAT_COMPRESSION_NONE);
+  EXPECT_NO_THROW(NyuTruth(folder / "two.mat", 2));
+  EXPECT_THAT(error_of([&] { NyuTruth(folder / "two.mat", 3); }), HasSubstr("has 2 views, asked for view 3"));
+  write_mat(folder / "many.mat", {65, 1, 36, 3}, MAT_COMPRESSION_NONE);
+  EXPECT_THAT(error_of([&] { NyuTruth(folder / "many.mat", 1); }),
+              HasSubstr("has 65 views of 1 frames, expected at most 64"));
+}
+
 TEST(Nyu, RefusesLabelsCutShortAnywhere) {
   const testing::TemporaryFolder folder;
   const fs::path labels = folder / "joint_data.mat";

@@ -50,6 +50,8 @@ class BagWriter {
   std::string encryptor;
   bool is_closed = true;
   std::uint32_t more_chunk_bytes = 0;  ///< that a chunk says it has
+  std::uint32_t more_chunks = 0;       ///< that its header counts
+  std::uint32_t more_connections = 0;  ///< the same
 
   void add(const std::string& topic, const std::string& type, double recorded_s, const std::string& message) {
     const std::uint32_t connection = connection_of(topic, type);
@@ -106,9 +108,10 @@ class BagWriter {
   }
 
   std::string header(std::size_t index_at) const {
-    BagTestFields fields{{"index_pos", little(static_cast<std::uint64_t>(index_at))},
-                         {"conn_count", little(static_cast<std::uint32_t>(connections_.size()))},
-                         {"chunk_count", little(chunk_count_)}};
+    BagTestFields fields{
+        {"index_pos", little(static_cast<std::uint64_t>(index_at))},
+        {"conn_count", little(static_cast<std::uint32_t>(connections_.size()) + more_connections)},
+        {"chunk_count", little(chunk_count_ + more_chunks)}};
     if (!encryptor.empty()) fields.emplace_back("encryptor", encryptor);
     return record(3, fields, std::string(20, ' '));
   }
@@ -482,6 +485,9 @@ TEST_F(RosbagTest, RefusesWhatItCannotRead) {
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.encryptor = "rosbag/AesCbcEncryptor"; }),
               HasSubstr("is encrypted"));
   EXPECT_THAT(fault_of([](BagWriter& bag) { bag.is_closed = false; }), HasSubstr("rosbag reindex"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.more_chunks = 1; }), HasSubstr("cut short or damaged: has"));
+  EXPECT_THAT(fault_of([](BagWriter& bag) { bag.more_connections = 1; }),
+              HasSubstr("cut short or damaged: has"));
   BagWriter zstd("zstd");
   zstd.add(kDepth, kImage, 1.0, image_message({}, 700));
   EXPECT_THAT(fault(zstd), HasSubstr("compression 'zstd', expected none, bz2 or lz4"));
@@ -491,6 +497,15 @@ TEST_F(RosbagTest, TooManyConnectionsAreRefused) {
   BagWriter bag;
   for (int i = 0; i <= 16384; ++i) bag.add(fmt::format("/{}", i), kImage, 1.0, "");
   EXPECT_THAT(fault(bag), HasSubstr("more than 16384 connections"));
+}
+
+TEST_F(RosbagTest, DescriptionsAreBounded) {
+  BagWriter of_long_topic;
+  of_long_topic.add("/" + std::string(std::size_t{1} << 20, 't'), kImage, 1.0, "");
+  EXPECT_THAT(fault(of_long_topic), HasSubstr("bytes, expected at most 1048576"));
+  BagWriter of_long_type;
+  of_long_type.add(kDepth, std::string(std::size_t{1} << 20, 't'), 1.0, "");
+  EXPECT_THAT(fault(of_long_type), HasSubstr("the description of a connection has"));
 }
 
 TEST_F(RosbagTest, AChunkThatSaysMoreThanItHoldsIsRefused) {

@@ -71,6 +71,22 @@ TEST(SourceSpec, SetsTheReadersOptions) {
   EXPECT_EQ(example("x:y").view, 1);
 }
 
+struct FlagOptions {
+  bool is_on = false;
+
+  void visit(OptionVisitor& visitor) { visitor.flag("is_on", is_on); }
+};
+
+TEST(SourceSpec, AFlagIsTrueOrFalse) {
+  const auto flag = [](const std::string& text) {
+    return options_from<FlagOptions>(parse_source_spec("x:y?is_on=" + text)).is_on;
+  };
+  EXPECT_TRUE(flag("true"));
+  EXPECT_FALSE(flag("false"));
+  for (const std::string text : {"", "1", "True"})
+    EXPECT_THAT(error_of([&] { flag(text); }), HasSubstr("is_on: '" + text + "' is neither true nor false"));
+}
+
 TEST(SourceSpec, UnknownKeysAndBadValuesAreErrors) {
   EXPECT_THAT(error_of([] { example("x:y?veiw=3"); }),
               AllOf(HasSubstr("unknown key 'veiw'"), HasSubstr("first, count, step, view, scale, name")));

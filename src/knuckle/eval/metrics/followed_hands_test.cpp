@@ -116,6 +116,13 @@ TEST(FollowedHands, AHandThatIsFoundLaterOrAgainWasLost) {
   EXPECT_EQ(score.switches, 1);
 }
 
+TEST(FollowedHands, HaveARecordForEachFrame) {
+  const std::vector<TrueHands> truth(2);
+  const std::vector<FrameRecord> records(3);
+  EXPECT_THAT(error_of([&] { followed_score("mine", superset_convention(), truth, records); }),
+              ::testing::HasSubstr("mine: 3 records, expected one for each of 2 frames"));
+}
+
 TEST(FollowedHands, AnotherSequenceBeginsAnew) {
   std::vector<TrueHands> truth(2, {0, {hand_at(HandSide::right, kHere)}});
   truth.push_back({1, {hand_at(HandSide::right, kHere)}});

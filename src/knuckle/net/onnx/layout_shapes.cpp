@@ -189,7 +189,10 @@ OnnxShape shape_of_reduce(NodeView& node) {
   const bool keeps = node.integer("keepdims", 1, 0, 1) == 1;
   if (node.integer("noop_with_empty_axes", 0, 0, 1) == 1) node.fault("noop_with_empty_axes is not read");
   std::vector<std::int64_t> axes = list_of(node, 1, "axes", {});
-  for (std::size_t i = 0; axes.empty() && i < input.size(); ++i) axes.push_back(static_cast<std::int64_t>(i));
+  if (axes.empty()) {
+    axes.resize(input.size());
+    std::iota(axes.begin(), axes.end(), 0);
+  }
   const std::vector<bool> marks = marked(node, axes, input.size());
   OnnxShape shape;
   for (std::size_t i = 0; i < input.size(); ++i) {

@@ -55,6 +55,9 @@ TEST_F(OnnxEngineTest, ComputesWhatTheOperatorsSay) {
               ElementsAre(0, 2, 1, 3));
   EXPECT_THAT(run(one_node("MatMul", four, {{"w", real_tensor({2, 1}, {1, 100})}})), ElementsAre(100, 302));
   EXPECT_THAT(run(one_node("ReduceSum", four, {{"a", integer_list({3})}})), ElementsAre(1, 5));
+  EXPECT_THAT(run(one_node("ReduceSum", four)), ElementsAre(6));
+  EXPECT_THAT(run(one_node("ReduceMean", four)), ElementsAre(1.5f));
+  EXPECT_THAT(run(one_node("ReduceMax", four)), ElementsAre(3));
   EXPECT_THAT(run(one_node("MaxPool", four, {}, {{"kernel_shape", testing::Integers{2, 2}}})),
               ElementsAre(3));
   EXPECT_THAT(run(one_node("Pad", four, {{"p", integer_list({0, 0, 0, 1, 0, 0, 0, 0})}})),

@@ -179,6 +179,70 @@ TEST(OnnxFile, WhatIsNotReadIsSaid) {
   EXPECT_THAT(fault(sound + sound), HasSubstr("twice"));
 }
 
+TEST(OnnxFile, AttributesAreOfTheKindsThatAreReadAndThereOnce) {
+  const auto attribute = [](std::int64_t type) {
+    ProtobufWriter written;
+    written.bytes(onnx_fields::kAttributeName, "a");
+    written.integer(onnx_fields::kInteger, 3);
+    written.integer(onnx_fields::kAttributeType, type);
+    return written;
+  };
+  ProtobufWriter node;
+  node.bytes(onnx_fields::kOperation, "Conv");
+  ProtobufWriter foreign = node;
+  foreign.message(onnx_fields::kAttribute, attribute(11));
+  EXPECT_THAT(fault(with_node(foreign)), HasSubstr("the attribute 'a' is of type 11, expected numbers"));
+  ProtobufWriter twice = node;
+  for (int i = 0; i < 2; ++i) twice.message(onnx_fields::kAttribute, attribute(onnx_fields::kTypeInteger));
+  EXPECT_THAT(fault(with_node(twice)), HasSubstr("an attribute is there twice"));
+  ProtobufWriter later = node;
+  later.integer(99, 1);
+  EXPECT_THAT(fault(with_node(later)), HasSubstr("it has the unknown field 99"));
+}
+
+/// A model of this graph, with its operators' version told so often.
+std::string with_graph(const ProtobufWriter& graph, int opsets = 1) {
+  ProtobufWriter opset;
+  opset.integer(onnx_fields::kOpsetVersion, 13);
+  ProtobufWriter model;
+  model.message(onnx_fields::kGraph, graph);
+  for (int i = 0; i < opsets; ++i) model.message(onnx_fields::kOpsetImport, opset);
+  return model.text();
+}
+
+TEST(OnnxFile, GraphsThatSayThingsTwiceOrSayOthersAreRefused) {
+  ProtobufWriter sound = tensor_of(1, {2});
+  sound.bytes(onnx_fields::kRawData, std::string(8, '\0'));
+  ProtobufWriter twice;
+  for (int i = 0; i < 2; ++i) twice.message(onnx_fields::kInitializer, sound);
+  EXPECT_THAT(fault(with_graph(twice)), HasSubstr("the constant 'w' is there twice"));
+  EXPECT_THAT(fault(with_graph({}, 2)), HasSubstr("two versions of ONNX's operators"));
+  ProtobufWriter sparse;
+  sparse.bytes(onnx_fields::kSparseInitializer, "");
+  EXPECT_THAT(fault(with_graph(sparse)), HasSubstr("it has sparse constants"));
+  ProtobufWriter sequence;
+  sequence.bytes(4, "");  // a list of tensors
+  ProtobufWriter value;
+  value.bytes(onnx_fields::kValueName, "x");
+  value.message(onnx_fields::kValueType, sequence);
+  ProtobufWriter with_sequence;
+  with_sequence.message(onnx_fields::kInput, value);
+  EXPECT_THAT(fault(with_graph(with_sequence)), HasSubstr("it is no tensor"));
+  ProtobufWriter mixed = tensor_of(1, {2});
+  mixed.integer(onnx_fields::kIntegerData, 7);
+  EXPECT_THAT(fault(with_constant(mixed)), HasSubstr("its data are of another type than it says"));
+  ProtobufWriter many = tensor_of(7, {(1 << 16) + 1});
+  many.bytes(onnx_fields::kRawData, std::string(8 * ((1 << 16) + 1), '\0'));
+  EXPECT_THAT(fault(with_constant(many)), HasSubstr("more than 65536 whole numbers"));
+}
+
+TEST(OnnxFile, NamesAreBounded) {
+  ProtobufWriter node;
+  node.bytes(onnx_fields::kOperation, "Conv");
+  node.bytes(onnx_fields::kNodeName, std::string(100'000, 'n'));
+  EXPECT_THAT(fault(with_node(node)), HasSubstr("is a name that is too long"));
+}
+
 TEST(OnnxFile, CountsAreBounded) {
   ProtobufWriter graph;
   for (int i = 0; i < (1 << 14) + 1; ++i) graph.bytes(onnx_fields::kNode, "");

@@ -168,6 +168,62 @@ TEST_F(DamagedHdf5, AHeaderThatContinuesInItselfEnds) {
   EXPECT_THAT(fault_of(bytes), HasSubstr("an object's header has more than 16777216 bytes"));
 }
 
+TEST_F(DamagedHdf5, AnObjectWithoutAHeaderIsRefused) {
+  std::uint64_t root = 0;
+  std::memcpy(&root, bytes_.data() + 64, 8);
+  std::string bytes = bytes_;
+  put(bytes, root, 3, 1);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("an object has no header"));
+}
+
+TEST_F(DamagedHdf5, AFileThatSaysThatItIsLongerIsCutShort) {
+  std::string bytes = bytes_;
+  put(bytes, 40, bytes_.size() + 1, 8);
+  EXPECT_THAT(fault_of(bytes),
+              HasSubstr(fmt::format("has {} bytes, expected {}", bytes_.size(), bytes_.size() + 1)));
+}
+
+TEST_F(DamagedHdf5, NamesLieWithinTheirHeapAndEnd) {
+  const std::size_t heap = place_of("HEAP");
+  std::string endless = bytes_;
+  std::uint64_t names = 0;
+  std::uint64_t length = 0;
+  std::memcpy(&length, bytes_.data() + heap + 8, 8);
+  std::memcpy(&names, bytes_.data() + heap + 24, 8);
+  std::fill_n(endless.begin() + static_cast<std::ptrdiff_t>(names), length, 'x');
+  EXPECT_THAT(fault_of(endless), HasSubstr("a name does not end"));
+  std::string long_heap = bytes_;
+  put(long_heap, heap + 8, (std::uint64_t{16} << 20) + 1, 8);
+  EXPECT_THAT(fault_of(long_heap), HasSubstr("a group has more names than it may"));
+  std::string outside = bytes_;
+  put(outside, place_of("SNOD") + 8, length, 8);
+  EXPECT_THAT(fault_of(outside), HasSubstr("a name lies outside of its heap"));
+}
+
+TEST_F(DamagedHdf5, AGroupHasNoMoreLinksThanTheFileCanHold) {
+  std::string bytes = bytes_;
+  put(bytes, place_of("SNOD") + 6, 0xffff, 2);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("a group has more links than the file can hold"));
+}
+
+TEST_F(DamagedHdf5, FiltersOfAnUnknownVersionAreRefused) {
+  const std::size_t filters = place_of("shuffle") - 16;
+  ASSERT_EQ(bytes_.substr(filters, 2), "\1\2") << "version 1, shuffle and deflate";
+  for (const std::uint64_t version : {0, 3}) {
+    std::string bytes = bytes_;
+    put(bytes, filters, version, 1);
+    EXPECT_THAT(fault_of(bytes), HasSubstr("depth: its filters are of an unknown version")) << version;
+  }
+}
+
+TEST_F(DamagedHdf5, AChunkThatIsNotAsLongAsAllIsRefused) {
+  std::size_t tree = place_of("TREE");
+  while (bytes_[tree + 4] != 1) tree = place_of("TREE", tree + 1);
+  std::string bytes = bytes_;
+  put(bytes, tree + 24 + 4, 2, 4);  // says that its chunk is not compressed
+  EXPECT_THAT(fault_of(bytes), HasSubstr("depth: a chunk has another size"));
+}
+
 TEST_F(DamagedHdf5, ChunksOfOtherNumbersAreRefused) {
   std::string bytes = bytes_;
   const std::size_t layout = chunk_layout();

@@ -89,6 +89,7 @@ TEST_F(Hdf5FileTest, WhatIsMissingOrOfAnotherKindIsNamed) {
   EXPECT_THAT(error_of([&] { file.text_attribute("author"); }), HasSubstr("'author' is missing"));
   EXPECT_THAT(error_of([&] { file.text_attribute("version"); }), HasSubstr("'version' is not text"));
   EXPECT_THAT(error_of([&] { file.number_attribute("format"); }), HasSubstr("'format' is not a number"));
+  EXPECT_THAT(error_of([&] { file.number_attribute("numbers"); }), HasSubstr("holds 2 numbers, expected 1"));
 }
 
 TEST_F(Hdf5FileTest, AnotherFormatOrVersionIsRefused) {

@@ -238,6 +238,43 @@ TEST(MakeHumanPackageTest, MissingAndDamagedPackagesAreNamed) {
   }
 }
 
+TEST(MakeHumanPackageTest, BonesWeightsAndJointsThatDoNotFitAreNamed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path models = folder / "public/data/models";
+  make_folder(models);
+  const auto write = [&](const std::string& bones, const std::string& weights, const std::string& cubes) {
+    write_text_file(models / "human_full_size.json",
+                    R"({"vertices": [1, 2, 3], "materials": [], "faces": [], "bones": )" + bones + ", " +
+                        weights + R"(, "metadata": {"joint_pos_idxs": )" + cubes + "}}");
+  };
+  const auto fault_with = [&](const std::string& bones, const std::string& weights,
+                              const std::string& cubes) {
+    write(bones, weights, cubes);
+    return error_of([&] { read_makehuman_mesh(folder.path()); });
+  };
+  const std::string one_bone = R"([{"name": "a____head", "parent": -1}])";
+  const std::string weights =
+      R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, 0, 0, 0])";
+  const std::string cubes = R"({"a": [0]})";
+  write(one_bone, weights, cubes);
+  EXPECT_NO_THROW(read_makehuman_mesh(folder.path()));
+  EXPECT_THAT(fault_with(R"([{"name": "a", "parent": 0}])", weights, cubes),
+              HasSubstr("'a' comes before its parent"));
+  for (const std::string wrong :
+       {R"("influencesPerVertex": 2, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, 0, 0, 0])",
+        R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0], "skinIndices": [0, 0, 0, 0])",
+        R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, 0, 0])"}) {
+    EXPECT_THAT(fault_with(one_bone, wrong, cubes), HasSubstr("expected 4 skin weights a vertex"));
+  }
+  EXPECT_THAT(
+      fault_with(one_bone,
+                 R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, 0, 0, 1])",
+                 cubes),
+      HasSubstr("a weight names bone 1"));
+  EXPECT_THAT(fault_with(one_bone, weights, R"({"a": []})"), HasSubstr("joint 'a' has no vertices"));
+  EXPECT_THAT(fault_with(one_bone, weights, R"({"a": [0, 1]})"), HasSubstr("joint 'a' names vertex 1"));
+}
+
 TEST(MakeHumanPackageTest, TargetsOfAnotherSizeAreRefused) {
   const TemporaryFolder folder;
   make_folder(folder / "src/json/targets");

@@ -45,12 +45,14 @@ PersonShape sampled_shape(double gender, Random& random) {
 
 /// The person whose hand has this length and breadth: the shape is scaled, then the palm widened.
 Person fitted(const Body& body, Person person, const Survey& hand) {
-  const double plain = hand_length_mm(shaped_body(body, shape_coefficients(body, person.shape)));
-  const double stretched = hand_length_mm(shaped_body(body, person));
-  person.shape = with_hand_length(body, person.shape, hand.length_mm * plain / stretched);
+  const ShapedBody before = shaped_body(body, shape_coefficients(body, person.shape));
+  const double stretched = hand_length_mm(with_proportions(before, person.proportions));
+  person.shape = with_hand_length(body, person.shape, hand.length_mm * hand_length_mm(before) / stretched);
+  const ShapedBody scaled = shaped_body(body, shape_coefficients(body, person.shape));
   constexpr int kSteps = 4;  // each leaves a third of what is missing
   for (int step = 0; step < kSteps; ++step) {
-    person.proportions.palm_breadth *= hand.breadth_mm / hand_breadth_mm(shaped_body(body, person));
+    person.proportions.palm_breadth *=
+        hand.breadth_mm / hand_breadth_mm(with_proportions(scaled, person.proportions));
   }
   return person;
 }

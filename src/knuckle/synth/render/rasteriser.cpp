@@ -13,8 +13,8 @@
 namespace knuckle {
 namespace {
 
-/// Triangles of at most this extent have edge functions that fit 32 bits [px].
-constexpr int kSmallExtent = 64;
+/// Triangles of at most this extent are drawn in blocks: edge functions of up to 64 px fit 32 bits [px].
+constexpr int kSmallExtent = 24;
 
 /// Keys and faces of the pixels so far, with a margin at the right that nobody sees.
 struct Canvas {
@@ -25,9 +25,25 @@ struct Canvas {
         key(camera.width + kMargin, camera.height, -std::numeric_limits<float>::infinity()),
         face(camera.width + kMargin, camera.height, Rendering::kNoFace) {}
 
+  void see_rows(int first, int last) {
+    top = std::min(top, first);
+    bottom = std::max(bottom, last);
+  }
+  /// Empty again; most groups of faces are seen in few rows.
+  void clear() {
+    for (int row = top; row <= bottom; ++row) {
+      std::ranges::fill(key.row(row), -std::numeric_limits<float>::infinity());
+      std::ranges::fill(face.row(row), Rendering::kNoFace);
+    }
+    top = key.height();
+    bottom = -1;
+  }
+
   int width;
   Image<float> key;
   Image<std::int32_t> face;
+  int top = key.height();  ///< Rows from here
+  int bottom = -1;         ///< to here may have been drawn in.
 };
 
 /// Value of a triangle's edge function at a pixel, less what the top-left rule takes away, in units of one
@@ -99,18 +115,35 @@ inline PixelRange covered_range(const Place& a, const Place& b, const Place& c, 
           std::min(last_pixel(std::max({a.y, b.y, c.y})), canvas.key.height() - 1)};
 }
 
+/// The key of a triangle over the pixels of one row, from its first one on.
+struct KeyRow {
+  float first;
+  float step;
+  float low;
+  float high;
+
+  KeyRow(const KeyPlane& plane, const PixelRange& range, int row)
+      : first(static_cast<float>(plane.origin + plane.column * range.left + plane.row * row)),
+        step(static_cast<float>(plane.column)),
+        low(plane.low),
+        high(plane.high) {}
+
+  float at(int steps) const {
+    return std::min(std::max(first + step * static_cast<float>(steps), low), high);
+  }
+};
+
 /// Draws eight pixels at once, without a branch: a pixel beyond the triangle's range fails an edge, and one
 /// beyond the image lies in the canvas' margin.
-template <class Integer>
-void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner& b, const Corner& c,
-          std::int32_t face) {
+void fill_in_blocks(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner& b,
+                    const Corner& c, std::int32_t face) {
+  using Integer = std::int32_t;
   Edge<Integer> ab(a.place, b.place, range.left, range.top);
   Edge<Integer> bc(b.place, c.place, range.left, range.top);
   Edge<Integer> ca(c.place, a.place, range.left, range.top);
   const KeyPlane plane(a, b, c);
-  const auto key_step = static_cast<float>(plane.column);
   for (int row = range.top; row <= range.bottom; ++row) {
-    const auto first_key = static_cast<float>(plane.origin + plane.column * range.left + plane.row * row);
+    const KeyRow key_at(plane, range, row);
     for (int column = range.left; column <= range.right; column += Canvas::kMargin) {
       const int steps = column - range.left;
       float* keys = canvas.key.row(row).data() + column;
@@ -119,8 +152,7 @@ void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner
         const Integer step = steps + lane;
         const Integer edges =
             (ab.value + step * ab.column) | (bc.value + step * bc.column) | (ca.value + step * ca.column);
-        const float raw_key = first_key + key_step * static_cast<float>(steps + lane);
-        const float key = std::min(std::max(raw_key, plane.low), plane.high);
+        const float key = key_at.at(step);
         const bool is_nearer = (edges >= 0) & (key > keys[lane]);  // no branch
         keys[lane] = is_nearer ? key : keys[lane];
         faces[lane] = is_nearer ? face : faces[lane];
@@ -129,6 +161,51 @@ void fill(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner
     ab.value += ab.row;
     bc.value += bc.row;
     ca.value += ca.row;
+  }
+}
+
+/// The steps [first, last] of a row at which edges are at least 0.
+struct Span {
+  int first;
+  int last;
+
+  void cut(const Edge<std::int64_t>& edge) {
+    if (last < first) return;
+    const bool is_inside = edge.value >= 0;
+    if (edge.column > 0 && !is_inside) {
+      first =
+          static_cast<int>(std::clamp<std::int64_t>((-edge.value - 1) / edge.column + 1, first, last + 1));
+    } else if (edge.column <= 0 && !is_inside) {
+      last = first - 1;
+    } else if (edge.column < 0) {
+      last = static_cast<int>(std::min<std::int64_t>(last, edge.value / -edge.column));
+    }
+  }
+};
+
+/// Draws rows from edge to edge: of a wide triangle most pixels of its range lie outside of it, or far
+/// inside.
+void fill_in_spans(Canvas& canvas, const PixelRange& range, const Corner& a, const Corner& b, const Corner& c,
+                   std::int32_t face) {
+  std::array edges{Edge<std::int64_t>(a.place, b.place, range.left, range.top),
+                   Edge<std::int64_t>(b.place, c.place, range.left, range.top),
+                   Edge<std::int64_t>(c.place, a.place, range.left, range.top)};
+  const KeyPlane plane(a, b, c);
+  for (int row = range.top; row <= range.bottom; ++row) {
+    const KeyRow key_at(plane, range, row);
+    Span span{0, range.right - range.left};
+    for (Edge<std::int64_t>& edge : edges) {
+      span.cut(edge);
+      edge.value += edge.row;
+    }
+    float* keys = canvas.key.row(row).data() + range.left;
+    std::int32_t* faces = canvas.face.row(row).data() + range.left;
+    for (int step = span.first; step <= span.last; ++step) {
+      const float key = key_at.at(step);
+      const bool is_nearer = key > keys[step];
+      keys[step] = is_nearer ? key : keys[step];
+      faces[step] = is_nearer ? face : faces[step];
+    }
   }
 }
 
@@ -220,13 +297,14 @@ inline void draw(Canvas& canvas, const ProjectedPoints& points, const std::array
   const std::int64_t area = double_area(a, b, c);
   if (!is_shown(area, front_sign) || !(a.is_drawable() && b.is_drawable() && c.is_drawable())) return;
   const PixelRange range = covered_range(a, b, c, canvas);
+  canvas.see_rows(range.top, range.bottom);
   const Corner first = points.corner(triangle[0]);
   const Corner second = points.corner(triangle[area > 0 ? 1 : 2]);
   const Corner third = points.corner(triangle[area > 0 ? 2 : 1]);
   if (is_small(a, b, c)) {
-    fill<std::int32_t>(canvas, range, first, second, third, face);
+    fill_in_blocks(canvas, range, first, second, third, face);
   } else {
-    fill<std::int64_t>(canvas, range, first, second, third, face);
+    fill_in_spans(canvas, range, first, second, third, face);
   }
 }
 
@@ -277,9 +355,9 @@ int front_sign_of(const Camera& camera, FaceCulling culling) {
 
 Rendering rendering_of(const Canvas& canvas, const Camera& camera) {
   Rendering result{Image<float>(camera.width, camera.height),
-                   Image<std::int32_t>(camera.width, camera.height)};
+                   Image<std::int32_t>(camera.width, camera.height, Rendering::kNoFace)};
   const bool projective = is_projective(camera);
-  for (int row = 0; row < camera.height; ++row) {
+  for (int row = canvas.top; row <= canvas.bottom; ++row) {
     const float* keys = canvas.key.row(row).data();
     const std::int32_t* faces = canvas.face.row(row).data();
     float* depths = result.depth_mm.row(row).data();
@@ -304,17 +382,18 @@ std::vector<Rendering> render_groups(const TriangleMesh& mesh, std::span<const s
   const auto is_near = [&](const Eigen::Vector3f& vertex) { return vertex.z() < options.near_mm; };
   const bool may_cross = std::ranges::any_of(mesh.vertices, is_near);
   std::vector<Rendering> renderings;
+  Canvas canvas(camera);
   std::size_t first = 0;
   for (const std::size_t end : ends) {
     if (end < first || end > mesh.faces.size())
       fail("rasteriser: a group of faces ends at {}, expected {} to {}", end, first, mesh.faces.size());
-    Canvas canvas(camera);
     const auto group = mesh.faces.subspan(first, end - first);
     for (const std::int32_t f : drawn_faces(group, first, points.places, canvas, front_sign)) {
       draw(canvas, points, mesh.faces[f], f, front_sign);
     }
     if (may_cross) draw_crossing_faces(canvas, mesh, {first, end}, options.near_mm, project, front_sign);
     renderings.push_back(rendering_of(canvas, camera));
+    canvas.clear();
     first = end;
   }
   return renderings;

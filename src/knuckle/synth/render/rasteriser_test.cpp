@@ -141,9 +141,10 @@ TEST(Rasteriser, SkippingBackFacesChangesNothingOnAClosedSurface) {
 }
 
 /// Each triangle is drawn alone: where they tile the image, every pixel belongs to exactly one of them, also
-/// where pixel centres lie exactly on edges and corners.
-TEST(Rasteriser, TilesCoverEachPixelOnce) {
-  Camera camera{.model = CameraModel::orthographic, .width = 40, .height = 30, .fx = 1.0, .fy = 1.0};
+/// where pixel centres lie exactly on edges and corners. A tile is 5 x 4 times `scale` pixels.
+void expect_each_pixel_once(int scale) {
+  Camera camera{
+      .model = CameraModel::orthographic, .width = 40 * scale, .height = 30 * scale, .fx = 1.0, .fy = 1.0};
   Random random(7);
   Mesh grid;
   constexpr int kColumns = 9;
@@ -154,8 +155,8 @@ TEST(Rasteriser, TilesCoverEachPixelOnce) {
       const auto shift = [&] {
         return static_cast<float>(whole ? random.below(3) - 1.0 : random.uniform(-1, 1));
       };
-      grid.vertices.emplace_back(5.0f * static_cast<float>(i) + shift(),
-                                 4.0f * static_cast<float>(j) + shift(), 100.0f);
+      grid.vertices.emplace_back(5.0f * static_cast<float>(scale * i) + shift(),
+                                 4.0f * static_cast<float>(scale * j) + shift(), 100.0f);
     }
   }
   for (int j = 0; j < 8; ++j) {
@@ -171,9 +172,18 @@ TEST(Rasteriser, TilesCoverEachPixelOnce) {
     const Rendering rendering = render(one, camera);
     for (std::size_t i = 0; i < count.size(); ++i) count.data()[i] += rendering.face.data()[i] == 0 ? 1 : 0;
   }
-  for (int row = 2; row < 28; ++row) {
-    for (int column = 2; column < 36; ++column) EXPECT_EQ(count(column, row), 1) << column << ", " << row;
+  for (int row = 2; row < 30 * scale - 2; ++row) {
+    for (int column = 2; column < 40 * scale - 4; ++column)
+      ASSERT_EQ(count(column, row), 1) << column << ", " << row;
   }
+}
+
+TEST(Rasteriser, SmallTilesCoverEachPixelOnce) {
+  expect_each_pixel_once(1);
+}
+
+TEST(Rasteriser, LargeTilesCoverEachPixelOnce) {
+  expect_each_pixel_once(8);
 }
 
 TEST(Rasteriser, APlaneHasItsDepthExactly) {

@@ -13,23 +13,32 @@ namespace {
 
 constexpr std::uint32_t kWholeFrame = 0xffffffffu;  ///< the pixel of what is drawn once a frame
 
+/// 1 / z of each pixel; 0 where nothing was measured.
+Image<double> inverse_depths(const Image<float>& depth_mm) {
+  Image<double> inverse(depth_mm.width(), depth_mm.height());
+  for (std::size_t i = 0; i < inverse.size(); ++i) {
+    const float depth = depth_mm.data()[i];
+    inverse.data()[i] = depth != 0.0f ? 1.0 / depth : 0.0;
+  }
+  return inverse;
+}
+
 /// Sums of 1 / z and counts of measured pixels over rectangles.
 class InverseSums {
  public:
-  explicit InverseSums(const Image<float>& depth_mm)
+  InverseSums(const Image<float>& depth_mm, const Image<double>& inverse)
       : stride_(depth_mm.width() + 1),
         sums_(static_cast<std::size_t>(stride_) * (depth_mm.height() + 1)),
         counts_(sums_.size()) {
     for (int row = 0; row < depth_mm.height(); ++row) {
       const float* depths = depth_mm.row(row).data();
+      const double* inverses = inverse.row(row).data();
       double sum = 0.0;
       std::int32_t count = 0;
       const std::size_t above = static_cast<std::size_t>(row) * stride_;
       for (int column = 0; column < depth_mm.width(); ++column) {
-        if (depths[column] != 0.0f) {
-          sum += 1.0 / depths[column];
-          ++count;
-        }
+        sum += inverses[column];
+        count += depths[column] != 0.0f ? 1 : 0;
         sums_[above + stride_ + column + 1] = sums_[above + column + 1] + sum;
         counts_[above + stride_ + column + 1] = counts_[above + column + 1] + count;
       }
@@ -82,21 +91,23 @@ struct Surface {
 };
 
 /// The depth that a window with an edge finds; 0: none.
-float matched_at_edge(const Image<float>& depth_mm, const Window& window, double nearer_share, double jump_mm,
-                      bool is_doubtful_lost) {
+float matched_at_edge(const Image<float>& depth_mm, const Image<double>& inverse, const Window& window,
+                      double nearer_share, double jump_mm, bool is_doubtful_lost) {
   float nearest = INFINITY;
   const auto each = [&](const auto& take) {
     for (int row = window.top; row < window.bottom; ++row) {
-      for (const float depth : depth_mm.row(row).subspan(window.left, window.right - window.left))
-        if (depth != 0.0f) take(depth);
+      const float* depths = depth_mm.row(row).data();
+      const double* inverses = inverse.row(row).data();
+      for (int column = window.left; column < window.right; ++column)
+        if (depths[column] != 0.0f) take(depths[column], inverses[column]);
     }
   };
-  each([&](float depth) { nearest = std::min(nearest, depth); });
+  each([&](float depth, double /*inverse*/) { nearest = std::min(nearest, depth); });
   Surface nearer;
   Surface farther;
-  each([&](float depth) {
+  each([&](float depth, double inverse_depth) {
     Surface& surface = depth <= nearest + jump_mm ? nearer : farther;
-    surface.inverse_sum += 1.0 / depth;
+    surface.inverse_sum += inverse_depth;
     ++surface.count;
   });
   const int area = (window.right - window.left) * (window.bottom - window.top);
@@ -138,7 +149,8 @@ Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchi
   const int reach = drawn_window_px(options, seed);
   if (reach == 0) return depth_mm;
   const double nearer_share = drawn_nearer_share(options, seed);
-  const InverseSums sums(depth_mm);
+  const Image<double> inverse = inverse_depths(depth_mm);
+  const InverseSums sums(depth_mm, inverse);
   const Image<std::uint8_t> has_edge = windows_with_edges(depth_mm, reach, jump_mm);
   Image<float> matched(depth_mm.width(), depth_mm.height());
   for (int row = 0; row < depth_mm.height(); ++row) {
@@ -152,7 +164,8 @@ Image<float> matched_in_windows(const Image<float>& depth_mm, const WindowMatchi
       const auto pixel = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(depth_mm.width()) +
                          static_cast<std::uint32_t>(column);
       const bool is_doubtful_lost = (pixel_words(seed, PixelUse::matching, pixel)[0] & 1u) != 0;
-      matched(column, row) = matched_at_edge(depth_mm, window, nearer_share, jump_mm, is_doubtful_lost);
+      matched(column, row) =
+          matched_at_edge(depth_mm, inverse, window, nearer_share, jump_mm, is_doubtful_lost);
     }
   }
   return matched;
