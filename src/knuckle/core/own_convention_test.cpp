@@ -118,6 +118,11 @@ TEST_F(OwnConvention, FaultsNameFileAndLine) {
   EXPECT_THAT(error_of([&] { convention_from_option("/nowhere/lab.toml"); }), HasSubstr("/nowhere/lab.toml"));
 }
 
+TEST_F(OwnConvention, OneThatNobodyToldIsUnknown) {
+  EXPECT_THAT(error_of([] { (void)registered_convention("nobodys"); }),
+              HasSubstr("unknown convention 'nobodys'"));
+}
+
 TEST_F(OwnConvention, ANameKeepsItsMeaning) {
   register_convention("own_kept", {Landmark::palm});
   EXPECT_THAT(error_of([] { register_convention("own_kept", {Landmark::wrist}); }),

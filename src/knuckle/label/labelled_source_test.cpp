@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/label/labelled_source.h"
 
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/label/label_agreement.h"
 #include "knuckle/label/label_testing.h"
@@ -124,6 +125,12 @@ TEST_F(LabelledSourceTest, TheSecondHandOfAFrameIsTheLessSureOne) {
   EXPECT_EQ(second.read_label(1).side, HandSide::right);
   EXPECT_FALSE(second.read_label(0).truth);
   EXPECT_EQ(LabelledSource(source_, book_, {.takes_second = true}).labelled_count(), 0);
+}
+
+TEST_F(LabelledSourceTest, LandmarksOfWhichLabelsSayNothingAreRefused) {
+  const Convention& others = register_convention("knobs", {own_landmark("knob", Landmark::palm)});
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {.convention = others}); }),
+              HasSubstr("say nothing of the landmarks of knobs"));
 }
 
 TEST_F(LabelledSourceTest, LabelsOfAnotherSourceAreRefused) {
