@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/storage/file_io.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -22,6 +23,8 @@ namespace {
 std::optional<std::vector<std::filesystem::path>> g_flushed;
 /// What the system says when it is asked for random bits; the system itself where there is none.
 std::optional<std::uint64_t> g_random;
+/// Whether nothing that is handed to the disk arrives there.
+bool g_disk_fails = false;
 
 }  // namespace
 }  // namespace knuckle
@@ -31,6 +34,10 @@ extern "C" int fsync(int descriptor) {
   if (knuckle::g_flushed) {
     knuckle::g_flushed->push_back(
         std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
+  }
+  if (knuckle::g_disk_fails) {
+    errno = EIO;
+    return -1;
   }
   return static_cast<int>(::syscall(SYS_fsync, descriptor));
 }
@@ -130,6 +137,27 @@ TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
   EXPECT_THAT(error_of([&] { write_file_atomically(folder / "report.html", fill_the_disk); }),
               HasSubstr("report.html"));
   EXPECT_EQ(entries_in(folder.path()), 0u);
+}
+
+TEST(FileIoTest, ADiskThatDoesNotTakeTheContentLeavesTheFormerFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "file.txt", "former");
+  g_disk_fails = true;
+  const std::string message = error_of([&] { write_text_file(folder / "file.txt", "text"); });
+  g_disk_fails = false;
+  EXPECT_THAT(message, HasSubstr("file.txt: cannot write: Input/output error"));
+  EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, AFileTakesTheNameOfNoFolder) {
+  const TemporaryFolder folder;
+  make_folder(folder / "name");
+  EXPECT_THAT(error_of([&] { write_text_file(folder / "name", "text"); }),
+              HasSubstr("name: cannot write: Is a directory"));
+  EXPECT_THAT(error_of([&] { publish_file(folder / "none", folder / "file.txt"); }),
+              HasSubstr("file.txt: cannot write: No such file or directory"));
+  EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 
 TEST(FileIoTest, TemporaryNamesCannotBeGuessed) {
