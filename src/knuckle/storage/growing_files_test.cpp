@@ -231,6 +231,7 @@ TEST_F(GrowingFilesTest, AFolderInPlaceOfAFileIsNamed) {
   fs::create_directory(path("b.partial"));
   EXPECT_THAT(testing::error_of([&] { open(Begin::where_it_stopped); }),
               HasSubstr("b.partial: cannot write: Is a directory"));
+  EXPECT_TRUE(fs::exists(path("journal"))) << "what was written is still there to go on from";
 }
 
 }  // namespace
