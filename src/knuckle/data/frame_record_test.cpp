@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <nlohmann/json.hpp>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
@@ -234,6 +236,53 @@ TEST(FrameRecord, NamesPlaceAndFaultOfALineThatIsNone) {
   EXPECT_THAT(fault(start + hand + R"({"wrist":null},"landmarks_px":{},"confidence":{}}]})"),
               HasSubstr("landmarks of no convention: wrist"));
   EXPECT_THAT(fault(start + R"("hands":[],"hands":[)" + std::string(10000, '[')), HasSubstr("JSON"));
+}
+
+TEST(FrameRecord, NamesWhatIsWrongWithAHand) {
+  FrameRecord record;
+  record.hands.push_back(
+      hand_record(HandPose::missing(convention_from_name("nyu14")), Projection(kCamera), {}));
+  record.hands[0].id = 1;
+  nlohmann::ordered_json good = nlohmann::ordered_json::parse(to_json_line(record));
+  const auto fault_after = [&](const auto& spoil) {
+    nlohmann::ordered_json line = good;
+    spoil(line["hands"][0]);
+    return error_of([&] { parse_frame_record(line.dump(), "r.jsonl:7"); });
+  };
+  EXPECT_NO_THROW(parse_frame_record(good.dump()));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["landmarks_px"]["elbow"] = nullptr; }),
+              HasSubstr("r.jsonl:7: hands[0]: landmarks_px.elbow: is not the next landmark of nyu14"));
+  EXPECT_THAT(fault_after([](auto& hand) {
+                const auto first = hand["landmarks_px"].begin().key();
+                hand["landmarks_px"].erase(first);
+                hand["landmarks_px"][first] = nullptr;
+              }),
+              HasSubstr("is not the next landmark of nyu14"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["landmarks_px"] = nlohmann::ordered_json::object(); }),
+              HasSubstr("r.jsonl:7: hands[0]: landmarks_px: has 0 landmarks, expected 14"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["side"] = "up"; }),
+              HasSubstr("hands[0]: side: is 'up', expected right, left or null"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["side"] = 1; }), HasSubstr("side: expected a text, found 1"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["score"] = "high"; }),
+              HasSubstr("score: expected a number, found string"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["landmarks_mm"] = 3; }),
+              HasSubstr("landmarks_mm: expected an object, found 3"));
+  EXPECT_THAT(fault_after([](auto& hand) {
+                hand["landmarks_mm"].front() = {1, 2};
+              }),
+              HasSubstr("expected a list of 3 numbers or null"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["landmarks_px"].front() = 1; }),
+              HasSubstr("expected a list of 2 numbers or null"));
+  EXPECT_THAT(fault_after([](auto& hand) {
+                hand["landmarks_px"].front() = {1, "2"};
+              }),
+              HasSubstr("expected a number, found string"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["id"] = std::uint64_t{1} << 63; }),
+              HasSubstr("id: is out of range"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["id"] = std::int64_t{1} << 31; }),
+              HasSubstr("id: is out of range"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["angles_rad"] = 1; }),
+              HasSubstr("angles_rad: expected an object"));
 }
 
 TEST(FrameRecord, EveryLineCutShortIsRefused) {
