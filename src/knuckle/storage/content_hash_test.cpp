@@ -35,6 +35,12 @@ TEST(ContentSum, DependsOnEachByteAndTheSeed) {
   EXPECT_NE(sum("ab", 0), sum("ab", 1));
 }
 
+TEST(ContentHash, NamesAFileThatCannotBeRead) {
+  // Nothing is at its beginning, the address 0.
+  EXPECT_THAT(testing::error_of([] { content_hash("/proc/self/mem"); }),
+              ::testing::HasSubstr("/proc/self/mem: cannot be read"));
+}
+
 TEST(ContentHash, NamesAMissingFile) {
   EXPECT_THAT(testing::error_of([] { content_hash("none.h5"); }), ::testing::HasSubstr("none.h5"));
 }

@@ -21,23 +21,23 @@ namespace {
 
 /// What this program hands to the disk, in its order; not kept where there is no list.
 std::optional<std::vector<std::filesystem::path>> g_flushed;
-/// Whether the disk cannot take what is handed to it.
-bool g_is_disk_broken = false;
 /// What the system says when it is asked for random bits; the system itself where there is none.
 std::optional<std::uint64_t> g_random;
+/// Whether nothing that is handed to the disk arrives there.
+bool g_disk_fails = false;
 
 }  // namespace
 }  // namespace knuckle
 
 // These take the place of the system's: what they were asked shows nowhere else.
 extern "C" int fsync(int descriptor) {
-  if (knuckle::g_is_disk_broken) {
-    errno = EIO;
-    return -1;
-  }
   if (knuckle::g_flushed) {
     knuckle::g_flushed->push_back(
         std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
+  }
+  if (knuckle::g_disk_fails) {
+    errno = EIO;
+    return -1;
   }
   return static_cast<int>(::syscall(SYS_fsync, descriptor));
 }
@@ -139,14 +139,24 @@ TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
   EXPECT_EQ(entries_in(folder.path()), 0u);
 }
 
-TEST(FileIoTest, ADiskThatCannotTakeItLeavesTheFormerFileAndNothingElse) {
+TEST(FileIoTest, ADiskThatDoesNotTakeTheContentLeavesTheFormerFileAndNothingElse) {
   const TemporaryFolder folder;
   write_text_file(folder / "file.txt", "former");
-  g_is_disk_broken = true;
+  g_disk_fails = true;
   const std::string message = error_of([&] { write_text_file(folder / "file.txt", "text"); });
-  g_is_disk_broken = false;
+  g_disk_fails = false;
   EXPECT_THAT(message, HasSubstr("file.txt: cannot write: Input/output error"));
   EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
+  EXPECT_EQ(entries_in(folder.path()), 1u);
+}
+
+TEST(FileIoTest, AFileTakesTheNameOfNoFolder) {
+  const TemporaryFolder folder;
+  make_folder(folder / "name");
+  EXPECT_THAT(error_of([&] { write_text_file(folder / "name", "text"); }),
+              HasSubstr("name: cannot write: Is a directory"));
+  EXPECT_THAT(error_of([&] { publish_file(folder / "none", folder / "file.txt"); }),
+              HasSubstr("file.txt: cannot write: No such file or directory"));
   EXPECT_EQ(entries_in(folder.path()), 1u);
 }
 

@@ -198,5 +198,41 @@ TEST_F(GrowingFilesTest, WhereAFileCannotBeWrittenNothingStays) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
+TEST_F(GrowingFilesTest, ARecordHasAPieceForEachFileAndANoteOfOneLine) {
+  constexpr const char* kExpected = "journal: expected one piece per file and a note of one line";
+  GrowingFiles files = open(Begin::anew);
+  const std::vector<std::string> pieces = pieces_of(1);
+  EXPECT_THAT(testing::error_of([&] { files.append(std::span(pieces).first(1), "note"); }),
+              HasSubstr(kExpected));
+  EXPECT_THAT(testing::error_of([&] { files.append(pieces, "two\nlines"); }), HasSubstr(kExpected));
+  files.append(pieces, "note");
+  files.publish();
+  EXPECT_THAT(testing::error_of([&] { files.append(pieces, "note"); }), HasSubstr(kExpected));
+}
+
+TEST_F(GrowingFilesTest, NotesThatAreGoneAreNotReadBack) {
+  GrowingFiles files = open(Begin::anew);
+  grow(files, 3);
+  fs::resize_file(path("journal"), fs::file_size(path("journal")) - 10);
+  EXPECT_THAT(testing::error_of([&] { files.for_each_note([](std::string_view) {}); }),
+              HasSubstr("journal: cannot be read back"));
+}
+
+TEST_F(GrowingFilesTest, AFolderInPlaceOfAFileIsNamed) {
+  fs::create_directory(path("journal"));
+  EXPECT_THAT(testing::error_of([&] { open(Begin::anew); }),
+              HasSubstr("journal: cannot write: Is a directory"));
+  fs::remove(path("journal"));
+  {
+    GrowingFiles files = open(Begin::anew);
+    grow(files, 1);
+  }
+  fs::remove(path("b.partial"));
+  fs::create_directory(path("b.partial"));
+  EXPECT_THAT(testing::error_of([&] { open(Begin::where_it_stopped); }),
+              HasSubstr("b.partial: cannot write: Is a directory"));
+  EXPECT_TRUE(fs::exists(path("journal"))) << "what was written is still there to go on from";
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -140,6 +140,29 @@ TEST(ModelFile, WhoseHeaderIsNotOneIsRefused) {
               HasSubstr("its header is too long"));
 }
 
+TEST(ModelFile, ThatDoesNotBeginWithAHeaderIsRefused) {
+  const auto fault_with = [](const std::vector<ZipContent>& entries) {
+    std::string bytes = text_of(zip_of(entries, "knuckle-sum 0000000000000000"));
+    bytes.resize(bytes.size() - 16);
+    const std::span before(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    return fault_of(bytes + fmt::format("{:08x}{:08x}", crc32(before), adler32(before)));
+  };
+  EXPECT_THAT(fault_with({}), HasSubstr("not a model's file: it has no model.json"));
+  EXPECT_THAT(fault_with({{"readme", {}}}), HasSubstr("not a model's file: it has no model.json"));
+  const std::vector<std::uint8_t> blanks((std::size_t{4} << 20) + 1, ' ');
+  EXPECT_THAT(fault_with({{"model.json", blanks}}), HasSubstr("damaged: its header is too long"));
+}
+
+TEST(ModelFile, WhoseTextsAreNoneOrTooLongIsRefused) {
+  const ModelFile file = ModelFile::parse(
+      file_of(R"({"format": "knuckle-test", "version": 1, "values": {"bones": ["wrist", 2], "names": [")" +
+              std::string(100'000, 'x') + R"("]}, "arrays": {}})"),
+      "a.model");
+  EXPECT_THAT(error_of([&] { file.texts("bones"); }), HasSubstr("a.model: bones is not a list of texts"));
+  EXPECT_THAT(error_of([&] { file.texts("names"); }),
+              HasSubstr("a.model: a text of names has 100000 characters, expected at most"));
+}
+
 TEST(ModelFile, WhoseShapesAndSizesDisagreeIsRefusedBeforeMemoryIsTaken) {
   const std::vector<std::uint8_t> six(6, 1);
   const auto fault_with = [&](const std::string& description) {

@@ -136,6 +136,43 @@ TEST(ZipArchive, WithAnotherMethodOrASumThatDoesNotFitIsRefused) {
   set_u32(summed, 14, 5);
   set_u32(summed, place_of(summed, 0x02014b50, 0) + 16, 5);
   EXPECT_THAT(fault_of(summed), HasSubstr("the sum of zeros is another"));
+  Bytes of_another_method = zip_bytes();
+  set_u16(of_another_method, 8, 12);
+  set_u16(of_another_method, place_of(of_another_method, 0x02014b50, 0) + 10, 12);
+  EXPECT_THAT(fault_of(of_another_method), HasSubstr("an entry has method 12, expected 0 or 8"));
+}
+
+TEST(ZipArchive, WhoseDirectorySaysOtherThanTheEntryIsRefused) {
+  Bytes summed = zip_bytes();
+  set_u32(summed, 14, 5);
+  EXPECT_THAT(fault_of(summed), HasSubstr("a.zip: no sound zip: an entry and the directory disagree"));
+  Bytes renamed = zip_bytes();
+  renamed[30] = 'Z';
+  EXPECT_THAT(fault_of(renamed), HasSubstr("an entry and the directory disagree"));
+}
+
+TEST(ZipArchive, WhoseEndIsMissingOrElsewhereIsRefused) {
+  Bytes bytes = zip_bytes();
+  const std::size_t end = place_of(bytes, 0x06054b50, 0);
+  set_u32(bytes, end + 16, 7);  // where the directory begins
+  EXPECT_THAT(fault_of(bytes), HasSubstr("its directory does not lie right before its end"));
+  bytes.resize(end);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("a.zip: no zip, or cut short: its end is missing"));
+}
+
+TEST(ZipArchive, WhoseEntryReachesBeyondTheOthersIsRefused) {
+  Bytes bytes = zip_bytes();
+  set_u32(bytes, 18, 4'000'000);  // the stored bytes of the first entry, and in the directory
+  set_u32(bytes, place_of(bytes, 0x02014b50, 0) + 20, 4'000'000);
+  EXPECT_THAT(fault_of(bytes), HasSubstr("a.zip: no sound zip: it ends too early"));
+}
+
+TEST(ZipArchive, AnEntryIsReadToAsManyBytesAsItHas) {
+  const Bytes bytes = zip_bytes();
+  const ZipArchive archive = parse_zip(bytes, "a.zip");
+  Bytes content(4999);
+  EXPECT_THAT(error_of([&] { read_content(archive.entries[0], content, "a.zip"); }),
+              HasSubstr("a.zip: zeros has 5000 bytes, expected 4999"));
 }
 
 }  // namespace

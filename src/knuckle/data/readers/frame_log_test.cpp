@@ -113,6 +113,28 @@ TEST_F(FrameLogTest, AForeignFileIsBegunAnew) {
   EXPECT_THAT(FrameLog(path, "run").indices(), IsEmpty());
 }
 
+TEST_F(FrameLogTest, AFrameThatIsNotInItIsNamed) {
+  FrameLog log(path, "run");
+  EXPECT_THAT(error_of([&] { log.read(0); }), HasSubstr("frames.log: frame 0 is not in it"));
+  for (const int i : {2, 4}) log.append(i, content_of(i));
+  for (const int i : {1, 3, 5})
+    EXPECT_THAT(error_of([&] { log.read(i); }),
+                HasSubstr(fmt::format("frames.log: frame {} is not in it", i)));
+}
+
+TEST_F(FrameLogTest, WhatWasCutMeanwhileIsNotReadBack) {
+  FrameLog log(path, "run");
+  log.append(0, content_of(0));
+  fs::resize_file(path, 30);
+  EXPECT_THAT(error_of([&] { log.read(0); }), HasSubstr("frames.log: frame 0 cannot be read back"));
+}
+
+TEST_F(FrameLogTest, WhatCannotBeWrittenIsNamed) {
+  fs::create_directory(path);
+  EXPECT_THAT(error_of([&] { FrameLog(path, "run"); }),
+              HasSubstr("frames.log: cannot write: Is a directory"));
+}
+
 TEST_F(FrameLogTest, OneRunAtATime) {
   const FrameLog log(path, "run");
   EXPECT_THAT(error_of([&] { FrameLog(path, "run"); }), HasSubstr("frames.log: another run is writing it"));

@@ -129,6 +129,15 @@ TEST_F(ExrHeader, AsksForNoMoreThanTheFileHolds) {
   EXPECT_THAT(fault_of(attribute("views", "stringvector", numbers({2000000000, 0}))),
               HasSubstr("a text is longer than what it stands in"));
   EXPECT_THAT(fault_of(attribute("ids", "idmanifest", numbers({1, 2}))), HasSubstr("ID manifest"));
+  for (const std::string& start : {numbers({20000630}), numbers({20000630, 2}) + "owner",
+                                   numbers({20000630, 2}) + attribute("owner", "mine", "x").substr(0, 13)}) {
+    put_file(path_, start);
+    EXPECT_THAT(error_of([&] { read_exr(path_); }),
+                HasSubstr("a.exr: cannot be read as an EXR image: it ends within its header"));
+  }
+  put_file(path_, numbers({20000631, 2}));
+  EXPECT_THAT(error_of([&] { read_exr(path_); }),
+              HasSubstr("a.exr: cannot be read as an EXR image: it is none"));
   EXPECT_THAT(fault_of(attribute(std::string(300, 'n'), "mine", "")),
               HasSubstr("a name in its header is too long"));
 }

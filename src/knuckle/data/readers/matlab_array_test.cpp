@@ -219,5 +219,32 @@ TEST_F(MatlabArrayTest, DamagedPackedBytesAreRefused) {
   EXPECT_THAT(error_of_file(header() + packed(content + "more")), HasSubstr("more than it says"));
 }
 
+TEST_F(MatlabArrayTest, AnotherVersionIsRefused) {
+  const std::string array = matrix(kFlags + kTwoByThree + kName + tagged(9, std::string(48, '\0')));
+  constexpr const char* kExpected = "a.mat: expected a little-endian Matlab file of version 5";
+  put_file(path, header() + array);
+  EXPECT_NO_THROW(MatlabArray(path, "abc"));
+  EXPECT_THAT(error_of_file(header().substr(0, 127)), HasSubstr(kExpected));
+  EXPECT_THAT(error_of_file(std::string(124, ' ') + std::string("\x00\x02IM", 4) + array),
+              HasSubstr(kExpected));
+  EXPECT_THAT(error_of_file(std::string(124, ' ') + std::string("\x01\x00MI", 4) + array),
+              HasSubstr(kExpected));
+}
+
+TEST_F(MatlabArrayTest, AsManyValuesAreReadAsThereAre) {
+  const std::string bytes =
+      header() + matrix(kFlags + kTwoByThree + kName + tagged(9, std::string(48, '\0')));
+  EXPECT_THAT(error_of_file(bytes, 7), HasSubstr("has 6 values left, asked for 7"));
+  EXPECT_THAT(error_of_file(bytes, 5), HasSubstr("1 of its values were not read"));
+}
+
+TEST_F(MatlabArrayTest, ASmallElementHasFourBytesAtMost) {
+  std::string name = kName;
+  name[2] = 5;
+  EXPECT_THAT(
+      error_of_file(header() + matrix(kFlags + kTwoByThree + name + tagged(9, std::string(48, '\0')))),
+      HasSubstr("is damaged: a small element of 5 bytes"));
+}
+
 }  // namespace
 }  // namespace knuckle

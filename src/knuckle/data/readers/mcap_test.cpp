@@ -283,6 +283,61 @@ TEST_F(McapTest, RefusesWhatItCannotRead) {
               HasSubstr("compression 'bz2', expected none, lz4 or zstd"));
 }
 
+constexpr std::size_t kFooterBytes = 9 + 8 + 8 + 4;
+constexpr std::size_t kMagicBytes = 8;
+
+TEST_F(McapTest, AnEndThatIsNoneIsRefused) {
+  const std::string whole = filled({.has_sums = false}).bytes();
+  const std::size_t footer = whole.size() - kMagicBytes - kFooterBytes;
+  std::string of_another_kind = whole;
+  of_another_kind[footer] = 3;
+  EXPECT_THAT(fault_of_bytes(of_another_kind), HasSubstr("'mcap recover' mends it"));
+  std::string of_another_size = whole;
+  of_another_size[footer + 1] = 21;
+  EXPECT_THAT(fault_of_bytes(of_another_size), HasSubstr("'mcap recover' mends it"));
+  std::string beyond = whole;
+  beyond.replace(footer + 9, 8, little(std::uint64_t{footer} + 1));
+  EXPECT_THAT(fault_of_bytes(beyond), HasSubstr("the file is damaged: its summary lies beyond its end"));
+}
+
+TEST_F(McapTest, RecordsThatCannotBeReadAreNamed) {
+  const std::string whole = filled({.has_sums = false}).bytes();
+  const std::size_t first =
+      kMagicBytes +
+      testing::mcap_record(1, testing::with_length("ros2") + testing::with_length("test")).size();
+  const auto fault_with = [&](std::size_t place, const std::string& record) {
+    return fault_of_bytes(std::string(whole).insert(place, record));
+  };
+  const std::size_t footer = whole.size() - kMagicBytes - kFooterBytes;
+  EXPECT_THAT(fault_with(footer, "abc"), HasSubstr("the file is damaged: a record is cut short"));
+  EXPECT_THAT(fault_with(footer, '\x0C' + little(std::uint64_t{5}) + "abc"),
+              HasSubstr("the file is damaged: a record has 5 bytes, and 3 are left"));
+  EXPECT_THAT(fault_with(footer, testing::mcap_record(11, std::string((1 << 20) + 1, '\0'))),
+              HasSubstr("a description has 1048577 bytes, expected at most 1048576"));
+  const std::string channel = little(std::uint16_t{7});
+  EXPECT_THAT(fault_with(first, testing::mcap_record(7, channel + testing::with_length(""))),
+              HasSubstr("the file is damaged: an index without a chunk"));
+  EXPECT_THAT(fault_with(first, testing::mcap_record(7, channel + testing::with_length("12345"))),
+              HasSubstr("the file is damaged: an index of 5 bytes in 11"));
+  EXPECT_THAT(fault_with(first, testing::mcap_record(7, channel + little(std::uint32_t{16}))),
+              HasSubstr("the file is damaged: an index of 16 bytes in 6"));
+}
+
+/// The index leads to the description of its channel's type, which lies before the message.
+TEST_F(McapTest, AnIndexThatLeadsToNoMessageIsAFaultOfTheFrame) {
+  const std::string before =
+      testing::mcap_record(3, little(std::uint16_t{7}) + testing::with_length(kMcapImage) +
+                                  testing::with_length("ros2msg") + testing::with_length("# text")) +
+      testing::mcap_record(4, little(std::uint16_t{7}) + little(std::uint16_t{7}) +
+                                  testing::with_length(kMcapDepth) + testing::with_length("cdr") +
+                                  testing::with_length(testing::with_length("offered_qos_profiles") +
+                                                       testing::with_length("")));
+  McapTestWriter mcap({.offset_of_offsets = ~std::uint64_t{before.size()} + 1});
+  mcap.add(kMcapDepth, kMcapImage, 1.0, image_of({}, 700));
+  EXPECT_THAT(fault(mcap, {.topic = kMcapDepth, .camera = camera_file()}),
+              HasSubstr("the file is damaged: not the message that its index says"));
+}
+
 TEST_F(McapTest, AChunkThatSaysMoreThanItHoldsIsRefused) {
   for (const char* compression : {"", "lz4", "zstd"}) {
     for (const std::uint64_t more : {std::uint64_t{1}, std::uint64_t{200'000'000}}) {

@@ -5,7 +5,9 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/azure_calibration.h"
+#include "knuckle/data/readers/byte_cursor.h"
 #include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/ebml.h"
 #include "knuckle/data/readers/mkv_source.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/data/readers/recording_testing.h"
@@ -522,6 +524,58 @@ TEST_F(MkvTest, ElementsWithoutASizeAreRefusedWhereTheyCannotEnd) {
   const std::string whole = mkv_element(0x1A45DFA3, mkv_element(0x4282, "matroska")) +
                             mkv_element(0x18538067, mkv_element(0x1654AE6B, "", false), false);
   EXPECT_THAT(fault_of_bytes(whole), HasSubstr("an element without a size"));
+}
+
+TEST_F(MkvTest, DescriptionsAreNotOfAnyLength) {
+  const std::string header = mkv_element(0x1A45DFA3, mkv_element(0x4282, "matroska"));
+  const std::string long_one = mkv_element(0x1549A966, mkv_element(0xEC, std::string(1 << 20, '\0')));
+  EXPECT_THAT(fault_of_bytes(header + mkv_element(0x18538067, long_one)),
+              HasSubstr("a description has 1048585 bytes, expected at most 1048576"));
+}
+
+TEST_F(MkvTest, AnElementEndsWithinWhatItLiesIn) {
+  const std::string whole = recorded(small(), 1).bytes();
+  EXPECT_THAT(fault_of_bytes(whole.substr(0, whole.size() - 1)),
+              HasSubstr(fmt::format("an element ends after byte {}", whole.size() - 1)));
+}
+
+TEST_F(MkvTest, ANewerEbmlIsRefused) {
+  const std::string header = mkv_element(0x1A45DFA3, mkv_element(0x4282, "matroska") + mkv_number(0x42F7, 2));
+  EXPECT_THAT(fault_of_bytes(header + mkv_element(0x18538067, "")),
+              HasSubstr("wants a reader of version 2 of EBML, expected at most 1"));
+}
+
+TEST(Ebml, HeadsThatCannotBeReadAreNamed) {
+  const auto fault = [](const std::vector<std::uint8_t>& bytes) {
+    return error_of([&] { parse_ebml_head(bytes, "here"); });
+  };
+  EXPECT_EQ(parse_ebml_head(std::vector<std::uint8_t>{0xEC, 0x81}, "here").bytes, 1u);
+  EXPECT_THAT(fault({}), HasSubstr("here: is cut short: expected an element"));
+  EXPECT_THAT(fault({0xEC}), HasSubstr("here: is cut short: expected an element"));
+  EXPECT_THAT(fault({0x08, 0x81, 0x81, 0x81, 0x81, 0x81}),
+              HasSubstr("here: is damaged: expected an element, found byte 8"));
+  EXPECT_THAT(fault({0xEC, 0x00}), HasSubstr("here: is damaged: expected an element, found byte 0"));
+  EXPECT_THAT(fault({0x1A, 0x45, 0xDF}), HasSubstr("here: is cut short within the head of an element"));
+}
+
+TEST(Ebml, AnElementEndsWithTheBytes) {
+  const auto fault = [](const std::vector<std::uint8_t>& bytes) {
+    return error_of([&] { EbmlCursor(bytes, "here").next(); });
+  };
+  const std::vector<std::uint8_t> whole{0xEC, 0x81, 0};
+  EXPECT_EQ(EbmlCursor(whole, "here").next()->content.size(), 1u);
+  EXPECT_THAT(fault({0xEC, 0x82, 0}), HasSubstr("here: is damaged: an element has 2 bytes, and 1 are left"));
+  EXPECT_THAT(fault({0xEC, 0xFF, 0}),
+              HasSubstr("here: is damaged: an element has 127 bytes, and 1 are left"));
+}
+
+TEST(ByteCursor, TakesNoMoreThanThereIs) {
+  const std::vector<std::uint8_t> bytes{1, 2, 3};
+  ByteCursor cursor(bytes, "here");
+  EXPECT_THAT(error_of([&] { cursor.u32(); }), HasSubstr("here: is cut short: 3 bytes are left, expected 4"));
+  EXPECT_EQ(cursor.u16(), 0x201);
+  EXPECT_THAT(error_of([&] { cursor.text(2); }),
+              HasSubstr("here: is cut short: 1 bytes are left, expected 2"));
 }
 
 /// That a file holds the frames that fuzz/write_mkvs.py writes.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include <matio.h>
 
@@ -144,14 +145,25 @@ TEST(Nyu, NamesFileAndFault) {
               AllOf(HasSubstr("joint_data.mat"), HasSubstr("labels 2 frames, asked for frame 3")));
 }
 
-TEST(Nyu, RefusesViewsThatAreNotThereOrTooMany) {
+TEST(Nyu, LabelsOfTooManyViewsOrFarAwayAreRefused) {
   const testing::TemporaryFolder folder;
-  write_mat(folder / "two.mat", {2, 1, 36, 3}, MAT_COMPRESSION_NONE);
-  EXPECT_NO_THROW(NyuTruth(folder / "two.mat", 2));
-  EXPECT_THAT(error_of([&] { NyuTruth(folder / "two.mat", 3); }), HasSubstr("has 2 views, asked for view 3"));
-  write_mat(folder / "many.mat", {65, 1, 36, 3}, MAT_COMPRESSION_NONE);
-  EXPECT_THAT(error_of([&] { NyuTruth(folder / "many.mat", 1); }),
-              HasSubstr("has 65 views of 1 frames, expected at most 64"));
+  const fs::path labels = folder / "joint_data.mat";
+  write_mat(labels, {65, 1, 36, 3}, MAT_COMPRESSION_NONE);
+  EXPECT_THAT(error_of([&] { NyuTruth(labels, 1); }),
+              HasSubstr("joint_data.mat: 'joint_uvd' has 65 views of 1 frames, expected at most 64"));
+  fs::remove(labels);
+  write_mat(labels, {1, 1, 36, 3}, MAT_COMPRESSION_NONE);
+  EXPECT_THAT(error_of([&] { NyuTruth(labels, 2); }),
+              HasSubstr("joint_data.mat: has 1 views, asked for view 2"));
+  std::string bytes = read_text_file(labels);
+  const double first = fixture_value(0, 0, 0, 0);
+  const double far = 2e9;
+  const std::size_t place = bytes.find(std::string(reinterpret_cast<const char*>(&first), sizeof(first)));
+  ASSERT_NE(place, std::string::npos);
+  std::memcpy(bytes.data() + place, &far, sizeof(far));
+  put_file(labels, bytes);
+  EXPECT_THAT(error_of([&] { NyuTruth(labels, 1); }),
+              HasSubstr("joint_data.mat: 'joint_uvd' holds 2000000000, expected at most 1000000000"));
 }
 
 TEST(Nyu, RefusesLabelsCutShortAnywhere) {

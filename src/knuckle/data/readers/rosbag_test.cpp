@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "knuckle/data/readers/rosbag.h"
+
 #include <array>
 #include <bit>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "knuckle/core/testing.h"
@@ -10,6 +13,7 @@
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/data/readers/recording_testing.h"
 #include "knuckle/data/readers/rosbag_source.h"
+#include "knuckle/data/readers/unpack.h"
 
 namespace knuckle {
 namespace {
@@ -493,6 +497,124 @@ TEST_F(RosbagTest, RefusesWhatItCannotRead) {
   EXPECT_THAT(fault(zstd), HasSubstr("compression 'zstd', expected none, bz2 or lz4"));
 }
 
+/// The beginning of a bag that says how many connections and chunks it has, and where its index begins.
+std::string bag_header(std::uint32_t connections, std::uint32_t chunks, std::uint64_t index_at = 1) {
+  return "#ROSBAG V2.0\n" + record(3,
+                                   {{"index_pos", little(index_at)},
+                                    {"conn_count", little(connections)},
+                                    {"chunk_count", little(chunks)}},
+                                   "");
+}
+
+std::string connection_record(std::uint32_t number, const std::string& topic) {
+  return record(7, {{"conn", little(number)}, {"topic", topic}}, with_length(std::string("type=") + kImage));
+}
+
+std::string plain_chunk(const std::string& content, std::uint32_t bytes) {
+  return record(5, {{"compression", "none"}, {"size", little(bytes)}}, content);
+}
+
+std::string index_record(std::uint32_t version, std::uint32_t connection, std::uint32_t count,
+                         const std::string& entries) {
+  return record(4, {{"ver", little(version)}, {"conn", little(connection)}, {"count", little(count)}},
+                entries);
+}
+
+class DamagedRosbag : public RosbagTest {
+ protected:
+  std::string fault_of(const std::string& bytes) const {
+    put_file(path(), bytes);
+    return error_of([&] { Rosbag bag(path()); });
+  }
+};
+
+TEST_F(DamagedRosbag, IsReadWhereNothingIsWrong) {
+  put_file(path(),
+           bag_header(1, 1) + plain_chunk("abc", 3) + index_record(1, 0, 0, "") + connection_record(0, "/a"));
+  EXPECT_NO_THROW(Rosbag{path()});
+}
+
+TEST_F(DamagedRosbag, OfOtherRecordsThanItSaysIsRefused) {
+  EXPECT_THAT(
+      fault_of(bag_header(1, 0)),
+      HasSubstr("a.bag: the bag is cut short or damaged: has 0 chunks and 0 connections, expected 0 and 1"));
+  EXPECT_THAT(fault_of(bag_header(1, 1) + connection_record(0, "/a")),
+              HasSubstr("has 0 chunks and 1 connections, expected 1 and 1"));
+  EXPECT_THAT(fault_of("#ROSBAG V2.0\n" + connection_record(0, "/a")),
+              HasSubstr("a.bag: the bag is damaged: it does not begin with its header"));
+  EXPECT_THAT(fault_of(bag_header(0, 0, 1'000'000)), HasSubstr("and its index begins at 1000000"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + record(9, {}, "")),
+              HasSubstr("the bag is damaged: a record of an unknown kind"));
+}
+
+TEST_F(DamagedRosbag, RecordsThatCannotBeReadAreNamed) {
+  EXPECT_THAT(fault_of(bag_header(0, 0) + with_length(with_length("nothing")) + with_length("")),
+              HasSubstr("the bag is damaged: a field has no '='"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + with_length(with_length("op=ab")) + with_length("")),
+              HasSubstr("the field 'op' has 2 bytes, expected 1"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + record(7, {{"conn", "12"}}, "")),
+              HasSubstr("the field 'conn' has 2 bytes, expected 4"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + "ab"), HasSubstr("a record ends after byte"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + little(std::uint32_t{5}) + "ab"),
+              HasSubstr("a record ends after byte"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + record(9, {}, "ab").substr(0, 13)),
+              HasSubstr("a record ends after byte"));
+  const std::string long_text((1 << 20) + 1, 'x');
+  EXPECT_THAT(fault_of(bag_header(0, 0) + record(7, {{"topic", long_text}}, "")),
+              HasSubstr("bytes, expected at most 1048576"));
+  EXPECT_THAT(
+      fault_of(bag_header(1, 0) + record(7, {{"conn", little(0u)}}, with_length("type=" + long_text))),
+      HasSubstr("the description of a connection has 1048586 bytes, expected at most 1048576"));
+}
+
+TEST_F(DamagedRosbag, ChunksAndIndexesThatDoNotFitAreRefused) {
+  EXPECT_THAT(fault_of(bag_header(0, 1) + plain_chunk("abc", 5)),
+              HasSubstr("a chunk has 3 bytes, expected 5"));
+  const std::string chunk = plain_chunk("abc", 3);
+  EXPECT_THAT(fault_of(bag_header(0, 1) + chunk + index_record(2, 0, 0, "")),
+              HasSubstr("an index of version 2, expected 1"));
+  EXPECT_THAT(fault_of(bag_header(0, 1) + chunk + index_record(1, 0, 2, std::string(12, '\0'))),
+              HasSubstr("the bag is damaged: 2 entries in 12 bytes"));
+  EXPECT_THAT(fault_of(bag_header(0, 0) + index_record(1, 0, 0, "")),
+              HasSubstr("the bag is damaged: an index without a chunk"));
+}
+
+TEST_F(DamagedRosbag, AMessageOfAnotherConnectionIsNotTheOneThatIsMeant) {
+  const std::string message = record(2, {{"conn", little(0u)}, {"time", bag_time(1.0)}}, "content");
+  const std::string rest = index_record(1, 1, 1, bag_time(1.0) + little(0u)) + connection_record(0, "/a") +
+                           connection_record(1, "/b");
+  const std::string as_bz2 =
+      record(5, {{"compression", "bz2"}, {"size", little(static_cast<std::uint32_t>(message.size()))}},
+             packed(message, "bz2"));
+  for (const std::string& chunk :
+       {plain_chunk(message, static_cast<std::uint32_t>(message.size())), as_bz2}) {
+    put_file(path(), bag_header(2, 1) + chunk + rest);
+    const Rosbag bag(path());
+    const std::vector<RecordedMessage> messages = bag.messages_of("/b");
+    ASSERT_EQ(messages.size(), 1u);
+    EXPECT_THAT(error_of([&] { bag.read(messages[0], 100); }),
+                HasSubstr("the bag is damaged: not the message that its index says"));
+  }
+}
+
+TEST_F(DamagedRosbag, AMessageLargerThanItMayBeIsRefused) {
+  constexpr std::uint32_t kBytes = (1u << 28) + 1;
+  const std::string all_but_content = record(2, {{"conn", little(0u)}, {"time", bag_time(1.0)}}, "");
+  const std::string message_head = all_but_content.substr(0, all_but_content.size() - 4) + little(kBytes);
+  const auto chunk_bytes = static_cast<std::uint32_t>(message_head.size()) + kBytes;
+  const std::string chunk = plain_chunk("", chunk_bytes);
+  const std::string start = bag_header(1, 1) + chunk.substr(0, chunk.size() - 4) + little(chunk_bytes);
+  {
+    std::ofstream file(path(), std::ios::binary);  // of which hardly anything takes room on the disk
+    file << start << message_head;
+    file.seekp(static_cast<std::streamoff>(start.size() + chunk_bytes));
+    file << index_record(1, 0, 1, bag_time(1.0) + little(0u)) << connection_record(0, "/a");
+  }
+  const Rosbag bag(path());
+  EXPECT_THAT(error_of([&] { bag.read(bag.messages_of("/a").at(0), 100); }),
+              HasSubstr("a message has 268435457 bytes, expected at most 268435456"));
+}
+
 TEST_F(RosbagTest, TooManyConnectionsAreRefused) {
   BagWriter bag;
   for (int i = 0; i <= 16384; ++i) bag.add(fmt::format("/{}", i), kImage, 1.0, "");
@@ -558,6 +680,41 @@ TEST_F(RosbagTest, ADamagedChunkIsAFaultOfItsFramesAlone) {
     }
   }
   EXPECT_EQ(faults, 3);
+}
+
+TEST(Unpack, GivesAsManyBytesAsItShouldOrNone) {
+  const std::string content = "content of the chunk";
+  const auto fault = [&](const std::string& bytes, Packing packing, std::uint64_t count) {
+    const std::span packed(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    return error_of([&] { unpack(packed, packing, count, "here"); });
+  };
+  for (const auto& [name, packing] :
+       {std::pair{"bz2", Packing::bz2}, {"lz4", Packing::lz4}, {"zstd", Packing::zstd}}) {
+    SCOPED_TRACE(name);
+    const std::string bytes = packed(content, name);
+    const std::span whole(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    EXPECT_EQ(unpack(whole, packing, 20, "here").size(), 20u);
+    EXPECT_THAT(fault(bytes, packing, 19), HasSubstr("here: unpacks to more than the 19 bytes it says"));
+    EXPECT_THAT(fault(bytes, packing, 21), HasSubstr("here: unpacks to 20 bytes, expected 21"));
+    EXPECT_THAT(fault(bytes + "!", packing, 20), HasSubstr("here: has 1 bytes after its packed ones"));
+    EXPECT_THAT(fault(bytes.substr(0, bytes.size() - 1), packing, 20),
+                HasSubstr("here: its packed bytes are cut short"));
+    EXPECT_THAT(fault("no such bytes", packing, 20), HasSubstr("here: its packed bytes are damaged"));
+  }
+  EXPECT_THAT(fault(content, Packing::none, 19), HasSubstr("here: has 20 bytes, expected 19"));
+}
+
+TEST(RecordingFile, ReadsNothingBeyondItsEnd) {
+  const testing::TemporaryFolder folder;
+  put_file(folder / "a.bag", "0123456789");
+  const RecordingFile file(folder / "a.bag");
+  EXPECT_EQ(file.read(4, 6).size(), 6u);
+  EXPECT_THAT(error_of([&] { file.read(4, 7); }), HasSubstr("a.bag: at byte 4: 7 bytes lie beyond the end"));
+  EXPECT_THAT(error_of([&] { file.read(11, 0); }),
+              HasSubstr("a.bag: at byte 11: 0 bytes lie beyond the end"));
+  std::filesystem::resize_file(folder / "a.bag", 5);
+  EXPECT_THAT(error_of([&] { file.read(4, 6); }),
+              HasSubstr("a.bag: was changed while it was read: it was cut short"));
 }
 
 }  // namespace

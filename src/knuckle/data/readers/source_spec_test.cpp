@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/source_spec.h"
 
+#include <array>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/open_dataset.h"
 
@@ -11,15 +13,27 @@ using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 
+constexpr std::array<std::string_view, 2> kColours{"red", "green"};
+
 struct ExampleOptions {
   int view = 1;
   double scale = 1.0;
   std::string name;
+  bool mirrored = false;
+  std::uint64_t seed = 1;
+  std::string colour = "red";
+  std::vector<std::string> colours;
+  std::vector<double> weights;
 
   void visit(OptionVisitor& visitor) {
     visitor.integer("view", view, closed(1, 3));
     visitor.real("scale", scale, above(0));
     visitor.text("name", name);
+    visitor.flag("mirrored", mirrored);
+    visitor.seed("seed", seed);
+    visitor.choice("colour", colour, kColours);
+    visitor.texts("colours", colours, kColours);
+    visitor.reals("weights", weights, closed(0, 1), 1, 2);
   }
 };
 
@@ -49,6 +63,7 @@ TEST(SourceSpec, RefusesWhatIsNoSource) {
   EXPECT_THAT(error_of([] { parse_source_spec(":/a/path"); }), HasSubstr("names no kind"));
   EXPECT_THAT(error_of([] { parse_source_spec("nyu:"); }), HasSubstr("names no path"));
   EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view"); }), HasSubstr("'view' is not key=value"));
+  EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?=2"); }), HasSubstr("'=2' is not key=value"));
   EXPECT_THAT(error_of([] { parse_source_spec("nyu:x?view=1&view=2"); }), HasSubstr("'view' appears twice"));
 }
 
@@ -69,6 +84,13 @@ TEST(SourceSpec, SetsTheReadersOptions) {
   EXPECT_EQ(options.scale, 0.5);
   EXPECT_EQ(options.name, "me");
   EXPECT_EQ(example("x:y").view, 1);
+  const ExampleOptions others =
+      example("x:y?mirrored=true&seed=7&colour=green&colours=green,red&weights=0.5");
+  EXPECT_TRUE(others.mirrored);
+  EXPECT_EQ(others.seed, 7u);
+  EXPECT_EQ(others.colour, "green");
+  EXPECT_THAT(others.colours, ::testing::ElementsAre("green", "red"));
+  EXPECT_THAT(others.weights, ::testing::ElementsAre(0.5));
 }
 
 struct FlagOptions {
@@ -94,6 +116,15 @@ TEST(SourceSpec, UnknownKeysAndBadValuesAreErrors) {
   EXPECT_THAT(error_of([] { example("x:y?view=two"); }), HasSubstr("'two'"));
   EXPECT_THAT(error_of([] { example("x:y?scale=0"); }), HasSubstr("scale = 0"));
   EXPECT_THAT(error_of([] { example("x:y?scale=nan"); }), HasSubstr("scale"));
+  EXPECT_THAT(error_of([] { example("x:y?mirrored=yes"); }),
+              HasSubstr("source 'x:y?mirrored=yes': mirrored: 'yes' is neither true nor false"));
+  EXPECT_THAT(error_of([] { example("x:y?seed=-1"); }), HasSubstr("seed = -1 is not in"));
+  EXPECT_THAT(error_of([] { example("x:y?colour=blue"); }),
+              HasSubstr("colour: 'blue' is unknown; known are red, green"));
+  EXPECT_THAT(error_of([] { example("x:y?colours=red,blue"); }), HasSubstr("colours: 'blue' is unknown"));
+  EXPECT_THAT(error_of([] { example("x:y?weights=1,0.5,1"); }),
+              HasSubstr("weights: has 3 numbers, expected 1 to 2"));
+  EXPECT_THAT(error_of([] { example("x:y?weights=1,2"); }), HasSubstr("weights = 2 is not in [0, 1]"));
   EXPECT_THAT(error_of([] { require_no_settings(parse_source_spec("x:y?a=1")); }),
               HasSubstr("unknown key 'a'"));
 }

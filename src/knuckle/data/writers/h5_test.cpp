@@ -450,42 +450,53 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("depth_unit_mm", -1); }),
               HasSubstr("depth_unit_mm"));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("camera_model", "fisheye"); }),
-              HasSubstr("fisheye"));
+              HasSubstr("'camera_model' is 'fisheye', expected projective or orthographic"));
   EXPECT_THAT(error_after([](Hdf5Writer& file) {
-                file.set_attribute("distortion", std::vector<double>{0.1, 0.2, 0.3});
+                file.set_attribute("distortion", std::vector<double>{0.1, 0.2});
               }),
-              HasSubstr("'distortion' has 3 numbers, expected 8"));
+              HasSubstr("a.h5: the attribute 'distortion' has 2 numbers, expected 8"));
 }
 
-TEST(H5, RefusesASetWithoutFramesAndFramesBeyondIt) {
+TEST(H5, WithoutAFrameItIsRefused) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  {
+    Hdf5Writer file = Hdf5Writer::create(path);
+    file.set_attribute("format", kH5Format);
+    file.set_attribute("version", kH5Version);
+    file.set_attribute("complete", 1);
+    file.set_attribute("first_index", 0);
+    file.set_attribute("depth_unit_mm", 0.1);
+    write_camera(file, small_camera());
+    file.create_dataset<std::uint16_t>(kH5Depth, {0, 18, 24}, {});
+    file.close();
+  }
+  EXPECT_THAT(error_of_h5_set(path), HasSubstr("a.h5: holds no frame"));
+}
+
+TEST(H5, ThatChangesWhileItIsReadIsRefused) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  write_set(path, 0, 3);
+  const H5Source source(path);
+  const auto bytes = fs::file_size(path);
+  fs::resize_file(path, bytes + 1);
+  const std::string expected =
+      fmt::format("a.h5: was changed while it was read: it has {} bytes, {} when", bytes + 1, bytes);
+  EXPECT_THAT(error_of([&] { source.read(0); }), HasSubstr(expected));
+  EXPECT_THAT(error_of([&] { source.read_label(0); }), HasSubstr(expected));
+  EXPECT_THAT(error_of([&] { source.read_stored(0); }), HasSubstr(expected));
+}
+
+TEST(H5, FramesAreThoseOfTheSet) {
   const testing::TemporaryFolder folder;
   write_set(folder / "a.h5", 0, 3);
   const H5Source source(folder / "a.h5");
-  for (const std::int64_t frame : {-1, 3})
-    EXPECT_THAT(error_of([&] { source.read(frame); }),
-                HasSubstr(fmt::format("a.h5: has 3 frames, asked for frame {}", frame)));
-  Hdf5Writer empty = Hdf5Writer::create(folder / "b.h5");
-  empty.set_attribute("format", kH5Format);
-  empty.set_attribute("version", kH5Version);
-  empty.set_attribute("complete", 1);
-  empty.set_attribute("first_index", 0);
-  empty.set_attribute("depth_unit_mm", 0.1);
-  write_camera(empty, small_camera());
-  const std::uint16_t pixel = 0;
-  empty.write<std::uint16_t>(kH5Depth, {0, 18, 24}, &pixel);
-  empty.close();
-  EXPECT_THAT(error_of_h5_set(folder / "b.h5"), HasSubstr("b.h5: holds no frame"));
-}
-
-TEST(H5, RefusesAPartThatIsNoneOfItsWhole) {
-  const testing::TemporaryFolder folder;
-  write_set(folder / "a.h5", 4, 3);
-  Hdf5Writer file = Hdf5Writer::open(folder / "a.h5");
-  file.set_attribute(kH5PartOfFirst, 0);
-  file.set_attribute(kH5PartOfCount, 6);
-  file.close();
-  EXPECT_THAT(error_of([&] { H5Source(folder / "a.h5").facts(); }),
-              HasSubstr("holds frames 4 to 6, but calls itself a part of 0 to 5"));
+  for (const std::int64_t index : {-1, 3}) {
+    const std::string expected = fmt::format("a.h5: has 3 frames, asked for frame {}", index);
+    EXPECT_THAT(error_of([&] { source.read(index); }), HasSubstr(expected));
+    EXPECT_THAT(error_of([&] { source.read_label(index); }), HasSubstr(expected));
+  }
 }
 
 TEST(H5, RefusesEachArrayOfAnotherShape) {

@@ -210,5 +210,23 @@ TEST_F(JoinParts, NothingIsOverwritten) {
   EXPECT_THAT(error_of([&] { join_parts(parts, folder_ / "no/such/out.h5"); }), HasSubstr("out.h5"));
 }
 
+TEST_F(JoinParts, APartLiesInWhatItIsAPartOf) {
+  for (const IndexRange& whole : {IndexRange{3, 5}, IndexRange{0, 3}}) {
+    fs::remove(folder_ / "a.h5");
+    const fs::path part = write("a.h5", {2, 2}, whole);
+    EXPECT_THAT(error_of([&] { H5PartsSource source({part}); }),
+                HasSubstr(fmt::format("a.h5: holds frames 2 to 3, but calls itself a part of {} to {}",
+                                      whole.first, whole.end() - 1)));
+  }
+}
+
+TEST_F(JoinParts, PartsThatChangeWhileTheyAreReadAreRefused) {
+  const std::vector<fs::path> paths{write("a.h5", {0, 2}, std::nullopt), write("b.h5", {2, 2}, std::nullopt)};
+  const H5PartsSource source(paths);
+  fs::remove(paths[1]);
+  write("b.h5", {2, 3}, std::nullopt);
+  EXPECT_THAT(error_of([&] { source.read(2); }), HasSubstr("b.h5: was changed while it was read"));
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -188,6 +188,26 @@ TEST_F(ForeignHdf5, TheFormatOfVersion18IsRead) {
   for (std::int64_t i = 0; i < 120; ++i) ASSERT_EQ(depth.values[static_cast<std::size_t>(i)], i);
 }
 
+TEST_F(ForeignHdf5, OfVersion18WithAnUnknownHeaderOrLinkIsRefused) {
+  create_anew(H5P_DEFAULT, newer_format(H5F_LIBVER_V18));
+  add_chunked({4, 3, 2}, true, true);
+  close();
+  const std::string whole = read_text_file(path_);
+  const auto fault_with = [&](std::size_t place, char number) {
+    std::string bytes = whole;
+    bytes.at(place) = number;
+    write_text_file(path_, bytes);
+    return error_of([&] { Hdf5File::open(path_).read<int>("depth"); });
+  };
+  EXPECT_THAT(fault_with(whole.find("OHDR") + 4, 3),
+              HasSubstr("foreign.h5: the HDF5 file is damaged: an object's header is of an unknown version"));
+  // A link has its version, flags, the length of its name, and this.
+  const std::string link("\1\0\5depth", 8);
+  const std::size_t without_order = whole.find(link);
+  ASSERT_NE(without_order, std::string::npos);
+  EXPECT_THAT(fault_with(without_order, 2), HasSubstr("a link is of an unknown version"));
+}
+
 TEST_F(ForeignHdf5, BytesBeforeTheFileAreSkipped) {
   const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
   H5Pset_userblock(creation, 2048);

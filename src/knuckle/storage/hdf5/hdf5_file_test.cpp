@@ -103,6 +103,24 @@ TEST_F(Hdf5FileTest, AnotherFormatOrVersionIsRefused) {
               HasSubstr("version 2 is not known"));
 }
 
+TEST_F(Hdf5FileTest, WithoutFormatOrVersionItIsNoSuchFile) {
+  { Hdf5Writer::create(path); }
+  EXPECT_THAT(
+      error_of([&] { Hdf5File::open(path).require_format("knuckle-example", 1); }),
+      HasSubstr("example.h5: no knuckle-example file: its attributes 'format' and 'version' are missing"));
+  {
+    Hdf5Writer file = Hdf5Writer::open(path);
+    file.set_attribute("format", "knuckle-example");
+  }
+  EXPECT_THAT(error_of([&] { Hdf5File::open(path).require_format("knuckle-example", 1); }),
+              HasSubstr("its attributes 'format' and 'version' are missing"));
+}
+
+TEST_F(Hdf5FileTest, AListIsNoNumber) {
+  EXPECT_THAT(error_of([&] { Hdf5File::open(path).number_attribute("numbers"); }),
+              HasSubstr("example.h5: the attribute 'numbers' holds 2 numbers, expected 1"));
+}
+
 TEST_F(Hdf5FileTest, AFileCutShortOrForeignIsRefused) {
   const std::string bytes = read_text_file(path);
   for (const double part : {0.0, 0.001, 0.2, 0.9}) {
@@ -179,6 +197,48 @@ TEST_F(Hdf5FileTest, ChunksThatOthersCompressedAreRead) {
   std::vector<std::uint16_t> back(8);
   Hdf5File::open(path).read_rows("rows", 1, 1, back.data());
   EXPECT_EQ(back, row);
+}
+
+TEST_F(Hdf5FileTest, ChunksOfAnotherSizeAreRefused) {
+  constexpr std::uint64_t kRow = std::uint64_t{1} << 16;
+  {
+    Hdf5Writer file = Hdf5Writer::open(path);
+    file.create_dataset<std::uint8_t>("deflated", {2, kRow}, {1, 1});
+    file.write_chunk("deflated", 0, std::vector<std::uint8_t>(3));
+    file.create_dataset<std::uint8_t>("plain", {2, kRow}, {1, 0});
+    file.write_chunk("plain", 0, std::vector<std::uint8_t>(3));
+    file.close();
+  }
+  const Hdf5File file = Hdf5File::open(path);
+  std::vector<std::uint8_t> row(kRow);
+  EXPECT_THAT(error_of([&] { file.read_rows("deflated", 0, 1, row.data()); }),
+              HasSubstr("example.h5: deflated: a chunk is smaller than it may be"));
+  EXPECT_THAT(error_of([&] { file.read_rows("plain", 0, 1, row.data()); }),
+              HasSubstr("example.h5: plain: a chunk has another size"));
+}
+
+TEST_F(Hdf5FileTest, WhatCannotBeWrittenIsNamed) {
+  Hdf5Writer file = Hdf5Writer::open(path);
+  const std::vector<float> row(12);
+  EXPECT_THAT(error_of([&] { file.write_rows("weights", 0, 1, row.data()); }),
+              HasSubstr("example.h5: weights: the array is missing"));
+  EXPECT_THAT(error_of([&] { file.write_rows("values", 5, 1, row.data()); }),
+              HasSubstr("example.h5: values: has no rows 5 to 6"));
+  EXPECT_THAT(error_of([&] { file.write_rows("values", 0, 6, row.data()); }),
+              HasSubstr("has no rows 0 to 6"));
+  EXPECT_THAT(error_of([&] { file.create_dataset<float>("values", {5}, {}); }),
+              HasSubstr("example.h5: values: the array cannot be made"));
+  file.create_dataset<float>("one", {}, {});
+  EXPECT_THAT(error_of([&] { file.write_rows("one", 0, 1, row.data()); }),
+              HasSubstr("one: has no rows 0 to 1"));
+  EXPECT_THAT(error_of([&] { file.write_chunk("one", 0, std::vector<std::uint8_t>(4)); }),
+              HasSubstr("example.h5: one: has no rows"));
+  EXPECT_THAT(error_of([&] { file.write_chunk("values", 7, std::vector<std::uint8_t>(4)); }),
+              HasSubstr("example.h5: values: cannot be written"));
+  EXPECT_THAT(error_of([&] { file.set_attribute("", 1.0); }),
+              HasSubstr("example.h5: cannot write the attribute ''"));
+  EXPECT_THAT(error_of([&] { Hdf5Writer::open(folder / "none.h5"); }),
+              HasSubstr("none.h5: the HDF5 file is missing, damaged, or in use"));
 }
 
 TEST_F(Hdf5FileTest, AnUnwritablePlaceIsNamed) {
