@@ -100,6 +100,10 @@ TEST(LeafCoding, RefusesWhatDoesNotFit) {
   bad = good;
   bad.scale[1] = 0.0f;
   EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a scale is not above 0"));
+  bad = good;
+  bad.scale[1] = 1e-38f;  // each part is finite, the quotient is not
+  bad.mean[1] = 1e30f;
+  EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a.model: a leaf value is not finite"));
 }
 
 }  // namespace
