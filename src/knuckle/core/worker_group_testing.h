@@ -2,11 +2,13 @@
 // Helpers for tests only; not part of the library.
 #pragma once
 
+#include <atomic>
 #include <barrier>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -34,6 +36,7 @@ class ThreadWorkers {
       const auto own = static_cast<std::size_t>(rank_);
       group_.sent_[own] = std::move(sent);
       group_.all_.arrive_and_wait();
+      if (group_.is_one_lost_) throw std::runtime_error("a worker is lost");
       std::vector<std::byte> received;
       for (std::size_t k = 0; k < sizes.size(); ++k) {
         const Messages& from = group_.sent_[k];
@@ -52,7 +55,8 @@ class ThreadWorkers {
     int rank_;
   };
 
-  /// Runs the work of every worker at once; throws what one of them has thrown, where all of them did.
+  /// Runs the work of every worker at once; throws what the first of them has thrown. The others lose it at
+  /// their next exchange.
   void run(const std::function<void(WorkerGroup&)>& work) {
     std::exception_ptr fault;
     std::mutex mutex;
@@ -65,7 +69,9 @@ class ThreadWorkers {
             work(worker);
           } catch (...) {
             const std::lock_guard lock(mutex);
-            fault = std::current_exception();
+            if (!fault) fault = std::current_exception();
+            is_one_lost_ = true;
+            all_.arrive_and_drop();
           }
         });
       }
@@ -76,6 +82,7 @@ class ThreadWorkers {
  private:
   std::vector<Messages> sent_;
   std::barrier<> all_;
+  std::atomic<bool> is_one_lost_ = false;
 };
 
 }  // namespace knuckle::testing

@@ -216,6 +216,8 @@ TEST_F(OnnxEstimatorTest, ConfidencesComeFromTheirOutput) {
               HasSubstr("14 numbers, expected 3 for each of 14"));
   EXPECT_THAT(fault(network, "landmarks_output = \"y\"\nconfidence_output = \"y\"\n"),
               HasSubstr("42 numbers"));
+  EXPECT_THAT(fault(network, "landmarks_output = \"y\"\nconfidence_output = \"certainty\"\n"),
+              HasSubstr("net.onnx: it has no output 'certainty'"));
   const PatchPose pose =
       load(network, "convention = \"nyu14\"\nlandmarks_output = \"y\"\nconfidence_output = \"sure\"\n")
           ->estimate(patch());
@@ -241,6 +243,11 @@ TEST_F(OnnxEstimatorTest, WhatDoesNotFitIsSaid) {
               HasSubstr("first_pixel and last_pixel are the same"));
   EXPECT_THAT(fault(network, "patch = \"hand\"\npasses = 1\ngives = \"heat_maps\"\n"),
               HasSubstr("heat maps look depth up in a cube"));
+  EXPECT_THAT(fault(network, "patch = \"hand\"\ngives = \"heat_maps\"\n"),
+              HasSubstr("heat maps look depth up in a cube"));
+  EXPECT_THAT(fault(network, "near_value = 1\n"), HasSubstr("near_value and far_value are the same"));
+  EXPECT_THAT(fault(network, "near_depth = 1\n"), HasSubstr("near_depth and far_depth are the same"));
+  EXPECT_THAT(fault(network, "first_pixel = 1\n"), HasSubstr("first_pixel and last_pixel are the same"));
   EXPECT_THAT(fault(network, "colour = 1\n"), HasSubstr("colour"));
   OnnxModel colours = network;
   colours.inputs.front().shape = {1, 3, kSize, kSize};
@@ -287,6 +294,49 @@ TEST_F(OnnxEstimatorTest, APatchOfAnotherSizeAndNumbersThatAreNotFiniteAreSaid) 
   unsound.nodes.push_back({"Add", "below", {"before", "minus_one"}, {"below"}});
   unsound.nodes.push_back({"Sqrt", "y", {"below"}, {"y"}});
   EXPECT_THAT(fault(unsound, ""), HasSubstr("'y' is not finite"));
+}
+
+/// What `knuckle export` writes, of a network that always gives the same numbers.
+OnnxModel exported(const std::string& landmarks_output, OnnxShape landmarks,
+                   const std::string& confidence_output, std::int64_t confidences) {
+  OnnxModel model = constant_network(counted(3 * kJoints), std::move(landmarks));
+  model.inputs.front().shape = {1, 1, 32, 32};
+  model.nodes.back().outputs = {landmarks_output};
+  model.constants["c"] = filled({confidences}, 0.5f);
+  model.constants["cw"] = filled({confidences, 1}, 0.0f);
+  model.nodes.push_back(
+      {"Gemm", "sure", {"flat", "cw", "c"}, {confidence_output}, {{"transB", std::int64_t{1}}}});
+  model.outputs = {{landmarks_output, {}}, {confidence_output, {}}};
+  NetworkOptions options;
+  options.convention = "nyu14";
+  options.patch.size_px = 32;
+  set_exported_options(model, options);
+  return model;
+}
+
+TEST_F(OnnxEstimatorTest, AnExportedFileIsWhatItsMetadataSay) {
+  const OnnxModel sound = exported("landmarks", {1, kJoints, 3}, "confidence", kJoints);
+  const auto estimator = load(sound, "");
+  HandPatch seen = patch();
+  EXPECT_THAT(error_of([&] { (void)estimator->estimate(seen); }),
+              HasSubstr("a patch of 8 x 8, expected 32 x 32"));
+  seen.pixels = Image<float>(32, 32, kCubeBackground);
+  EXPECT_EQ(estimator->estimate(seen).joints[2].u, 6 / 16.0);
+  EXPECT_THAT(estimator->estimate(seen).confidence, Each(0.5f));
+
+  const auto fault_of = [&](const OnnxModel& model) { return error_of([&] { (void)load(model, ""); }); };
+  OnnxModel small = sound;
+  small.inputs.front().shape = {1, 1, 16, 16};
+  EXPECT_THAT(fault_of(small),
+              HasSubstr("net.onnx: its input is 1 x 1 x 16 x 16, but its metadata ask for 1 x 1 x 32 x 32"));
+  EXPECT_THAT(fault_of(exported("joints", {1, kJoints, 3}, "confidence", kJoints)),
+              HasSubstr("it has no output 'landmarks', which its metadata ask for"));
+  EXPECT_THAT(fault_of(exported("landmarks", {1, kJoints, 3}, "sure", kJoints)),
+              HasSubstr("it has no output 'confidence', which its metadata ask for"));
+  EXPECT_THAT(fault_of(exported("landmarks", {1, 3, kJoints}, "confidence", kJoints)),
+              HasSubstr("its output 'landmarks' is 1 x 3 x 14, but its metadata ask for 1 x 14 x 3"));
+  EXPECT_THAT(fault_of(exported("landmarks", {1, kJoints, 3}, "confidence", kJoints - 1)),
+              HasSubstr("its output 'confidence' is 1 x 13, but its metadata ask for 1 x 14"));
 }
 
 TEST_F(OnnxEstimatorTest, AnsweringIsSafeFromManyThreads) {

@@ -220,9 +220,25 @@ TEST_F(PoseForestFile, OfAnUnknownConventionOrPatchSizeIsRefused) {
   EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("16 landmarks of icvl16")));
 }
 
+TEST_F(PoseForestFile, WithAMeanPatchOfAnotherSizeIsRefused) {
+  change_model(path_, [](ModelWriter& model) { model.add("patch_mean", {3, 48}, std::vector<float>(144)); });
+  EXPECT_THAT(fault(),
+              AllOf(HasSubstr("forest.model"), HasSubstr("patch_mean has 144 values, expected 12 x 12")));
+  PoseForestModel wrong = made_up_model(convention());
+  wrong.statistics.mean = Image<float>(kTestPatchSize, 5);
+  EXPECT_THAT(error_of([&] { PoseForestEstimator{wrong}; }),
+              HasSubstr("the mean patch is 12 x 5, expected 12 x 12"));
+}
+
 TEST_F(PoseForestFile, WithANumberThatIsNotFiniteIsRefused) {
+  std::vector<float> mean(144);
+  mean[7] = std::nanf("");
+  change_model(path_, [&](ModelWriter& model) { model.add("patch_mean", {12, 12}, mean); });
+  EXPECT_THAT(fault(),
+              AllOf(HasSubstr("forest.model"), HasSubstr("a pixel of the mean patch is not finite")));
+  save_pose_forest(path_, made_up_model(convention()));
   change_value("leaf_offset", std::nanf(""));
-  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("not finite")));
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("a leaf offset or step is not finite")));
 }
 
 TEST_F(PoseForestFile, WithAChildOrAFeatureOutOfRangeIsRefused) {
@@ -238,7 +254,7 @@ TEST_F(PoseForestFile, WithAChildOrAFeatureOutOfRangeIsRefused) {
 
 TEST_F(PoseForestFile, WhoseLeavesOverflowIsRefused) {
   change_value("leaf_step", 3e38F);
-  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("not finite")));
+  EXPECT_THAT(fault(), AllOf(HasSubstr("forest.model"), HasSubstr("a leaf value is not finite")));
 }
 
 TEST_F(PoseForestFile, ThatCannotBeWrittenLeavesNothing) {

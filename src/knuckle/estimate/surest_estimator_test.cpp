@@ -283,9 +283,9 @@ TEST(SurestEstimator, WhatDoesNotBelongTogetherIsRefused) {
   };
   EXPECT_THAT(fault(nullptr), HasSubstr("1 given, expected two or more"));
   EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, 0.5f, std::nullopt, nullptr, "icvl16")),
-              HasSubstr("\"icvl16\""));
+              HasSubstr("one predicts \"nyu14\", another one \"icvl16\""));
   EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, 0.5f, std::nullopt, nullptr, "nyu14", 16)),
-              HasSubstr("patches"));
+              HasSubstr("patches of different kinds"));
   EXPECT_THAT(fault(std::make_unique<KnownPose>(1.0, -1.0f, std::nullopt)), HasSubstr("confidences of one"));
 }
 

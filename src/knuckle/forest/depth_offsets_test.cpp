@@ -94,6 +94,12 @@ TEST(DepthTiles, KeepOnlyWhatWasMeasured) {
   EXPECT_NE(DepthTiles(image).hash(), DepthTiles(Image<float>(320, 240)).hash());
 }
 
+TEST(DepthTiles, RefuseAnImageOfTooManySquares) {
+  EXPECT_NO_THROW(DepthTiles(Image<float>(8, 8 * 65535)));
+  EXPECT_THAT(error_of([] { DepthTiles(Image<float>(8, 8 * 65536)); }),
+              HasSubstr("depth image of 8 x 524288 pixels: too large to train a forest on"));
+}
+
 TEST(DrawnOffsets, AreEvenInTheLogarithmAndInDirection) {
   const OffsetOptions options{.nearest_offset_mm = 10.0, .farthest_offset_mm = 1000.0};
   Random random(4);

@@ -104,6 +104,9 @@ TEST(LeafCoding, RefusesWhatDoesNotFit) {
   bad.scale[1] = 1e-38f;  // each part is finite, what it makes is not
   bad.mean[1] = 1e30f;
   EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a leaf value is not finite"));
+  bad.scale[1] = 1e-38f;  // each part is finite, the quotient is not
+  bad.mean[1] = 1e30f;
+  EXPECT_THAT(error_of([&] { decoded(bad, "a.model"); }), HasSubstr("a.model: a leaf value is not finite"));
 }
 
 }  // namespace

@@ -47,7 +47,13 @@ TEST(LeafTable, RefusesPartsThatDoNotFit) {
               HasSubstr("no whole rows"));
   EXPECT_THAT(error_of([&] { LeafTable({0.0F}, one, std::vector<float>{NAN}, "a.model"); }),
               HasSubstr("not finite"));
-  EXPECT_THAT(error_of([&] { LeafTable({INFINITY}, one, one, "a.model"); }), HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { LeafTable({INFINITY}, one, one, "a.model"); }),
+              HasSubstr("offset or step is not finite"));
+  // All parts are finite, what they make is not.
+  EXPECT_THAT(error_of([&] { LeafTable({3e38F}, {3e36F}, std::vector<std::uint8_t>{1}, "a.model"); }),
+              HasSubstr("a leaf value is not finite"));
+  EXPECT_THAT(error_of([&] { LeafTable({3e38F}, one, std::vector<float>{-3e38F}, "a.model"); }),
+              HasSubstr("a leaf value is not finite"));
 }
 
 }  // namespace

@@ -97,14 +97,15 @@ TEST(RegressionForest, RefusesNodesThatLeadNowhere) {
   EXPECT_THAT(fault_of([](auto& p) { p.trees.roots[1] = p.trees.roots[2]; }), HasSubstr("no nodes"));
   EXPECT_THAT(fault_of([](auto& p) { p.quantizer.step = NAN; }), HasSubstr("step"));
   EXPECT_THAT(fault_of([](auto& p) { p.trees.roots.clear(); }), HasSubstr("no first tree"));
-  EXPECT_THAT(fault_of([](auto& p) { p.feature_count = 0; }), HasSubstr("a forest on 0 features"));
-  EXPECT_THAT(fault_of([](auto& p) { p.leaves = {}; }), HasSubstr("x.model"));
+  EXPECT_THAT(fault_of([](auto& p) { p.trees.roots[3] = static_cast<std::uint32_t>(p.trees.nodes.size()); }),
+              HasSubstr("tree 3 has no nodes"));
+  EXPECT_THAT(fault_of([](auto& p) { p.feature_count = 0; }), HasSubstr("x.model: a forest on 0 features"));
+  EXPECT_THAT(fault_of([](auto& p) { p.leaves = {}; }), HasSubstr("x.model: the forest predicts nothing"));
 }
 
-TEST(RegressionForest, RefusesFeaturesAndScalesOfAnotherNumber) {
-  const RegressionForest forest = small_regression_forest();
-  const std::vector<float> scales(static_cast<std::size_t>(forest.target_count()) + 1, 1.0F);
-  EXPECT_THAT(error_of([&] { (void)forest.pruned(2, scales); }), HasSubstr("scales for"));
+TEST(RegressionForest, IsPrunedWithAScalePerTarget) {
+  EXPECT_THAT(error_of([] { small_regression_forest().pruned(10, std::vector<float>(4, 1.0F)); }),
+              HasSubstr("pruning: 4 scales for 5 targets"));
 }
 
 TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
@@ -121,11 +122,45 @@ TEST(RegressionForest, RefusesFilesOfWhichAPartIsWrong) {
                 file.set("feature_step", 0.1);
               }),
               AllOf(HasSubstr("test.model"), HasSubstr("tree_root")));
-  EXPECT_THAT(fault_of([](ModelWriter& file) {
-                write_forest(file, small_regression_forest());
-                file.add("leaf_offset", {0}, std::vector<float>{});
+
+  // A forest of one leaf, in a file that is written by hand.
+  struct File {
+    std::vector<std::uint32_t> roots = {0};
+    std::vector<std::int16_t> thresholds = {0};
+    std::vector<float> offset = {0.0F, 0.0F};
+    std::vector<std::uint64_t> value_shape = {1, 2};
+  };
+  const auto fault_with = [&](const std::function<void(File&)>& change) {
+    File parts;
+    change(parts);
+    return fault_of([&](ModelWriter& file) {
+      file.set("feature_count", 3.0);
+      file.set("feature_step", 0.1);
+      file.add("tree_root", {parts.roots.size()}, parts.roots);
+      file.add("node_is_leaf", {1}, std::vector<std::uint8_t>{1});
+      file.add("node_first", {1}, std::vector<std::uint16_t>{0});
+      file.add("node_second", {1}, std::vector<std::uint16_t>{0});
+      file.add("node_threshold", {parts.thresholds.size()}, parts.thresholds);
+      file.set("leaf_bits", 32.0);
+      file.add("leaf_offset", {parts.offset.size()}, parts.offset);
+      file.add("leaf_step", {2}, std::vector<float>{1.0F, 1.0F});
+      file.add("leaf_value", parts.value_shape, std::vector<float>{1.0F, 2.0F});
+    });
+  };
+  EXPECT_THAT(fault_with([](File& parts) { parts.roots.assign(4097, 0); }),
+              HasSubstr("a forest of 4097 trees and 1 nodes, expected at most 4096"));
+  EXPECT_THAT(fault_with([](File& parts) {
+                parts.thresholds = {0, 0};
               }),
-              HasSubstr("test.model"));
+              HasSubstr("node_threshold is of another shape, expected one value for each of 1 nodes"));
+  EXPECT_THAT(fault_with([](File& parts) { parts.offset.clear(); }),
+              HasSubstr("leaf_offset is empty, expected a value per target"));
+  EXPECT_THAT(fault_with([](File& parts) {
+                parts.value_shape = {2, 1};
+              }),
+              HasSubstr("leaf_value does not have rows of 2 values"));
+  EXPECT_THAT(fault_with([](File& parts) { parts.value_shape = {2}; }),
+              HasSubstr("leaf_value does not have rows of 2 values"));
 }
 
 }  // namespace

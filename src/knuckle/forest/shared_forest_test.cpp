@@ -13,6 +13,7 @@
 namespace knuckle {
 namespace {
 
+using ::testing::AllOf;
 using testing::ball_scenes;
 using testing::BallScene;
 using testing::error_of;
@@ -196,11 +197,32 @@ TEST(SharedForest, GoesOnWithAnotherNumberOfWorkersFromWhereverItWasStopped) {
   }
 }
 
+TEST(SharedForest, WorkersThatSendTooFewSamplesAreNoticed) {
+  const RandomRows rows(400, 5, 2);
+  const auto train = [&](WorkerGroup& workers) {
+    const PartOfWork part = part_of_worker(400, workers.rank(), 2);
+    TrainingSamples samples = part_of(rows, part);
+    RegressionForestOptions options;
+    options.tree.splits_per_node = 10;
+    options.tree.samples_per_node = workers.rank() == 0 ? 1000 : 100;
+    static_cast<void>(train_regression_forest(workers, samples, part.begin, options));
+  };
+  EXPECT_THAT(error_of([&] { ThreadWorkers(2).run(train); }),
+              AllOf(HasSubstr("samples of node 0, expected 363"), HasSubstr("workers have sent")));
+}
+
 TEST(SharedForest, NamesTheFault) {
   const RandomRows rows(40, 5, 2);
   RegressionForestOptions options;
   options.memory_gb = 1e-6;
   EXPECT_THAT(error_of([&] { trained_by(2, rows, options); }), HasSubstr("memory_gb"));
+  EXPECT_THAT(error_of([&] {
+                ThreadWorkers(2).run([](WorkerGroup& workers) {
+                  TrainingSamples none(5, 3, 2);
+                  static_cast<void>(train_regression_forest(workers, none, 0, RegressionForestOptions()));
+                });
+              }),
+              HasSubstr("forest training: there are no samples"));
   std::vector<BallScene> scenes = ball_scenes(4);
   for (BallScene& scene : scenes) {
     std::erase_if(scene.pixels, [](const LabelledPixel& pixel) { return pixel.label == 0; });

@@ -146,6 +146,26 @@ TEST_P(SharedPlacesOf, WorkersGetTheSamplesWhosePlacesAreTheirs) {
   });
 }
 
+TEST(SharedPlaces, ASampleForAnotherWorkersPlaceIsRefused) {
+  ThreadWorkers(2).run([](WorkerGroup& workers) {
+    // The second worker thinks that the first has three places.
+    const bool is_first = workers.rank() == 0;
+    NumberStore store({0, 3});
+    const std::vector<std::uint32_t> slots{0, 1};
+    const std::vector<std::int64_t> places =
+        is_first ? std::vector<std::int64_t>{0, 1} : std::vector<std::int64_t>{2, 3};
+    const auto move = [&] {
+      moved_to_places(workers, store, slots, places,
+                      is_first ? std::vector<std::int64_t>{0, 2, 4} : std::vector<std::int64_t>{0, 3, 4});
+    };
+    if (is_first) {
+      EXPECT_THAT(error_of(move), HasSubstr("a sample with place 2, expected [0, 2)"));
+    } else {
+      move();
+    }
+  });
+}
+
 struct TestNode {
   std::int32_t left = -1;
 };

@@ -42,6 +42,11 @@ TEST(TrainingSamples, RefusesWhatCannotBeLearned) {
   EXPECT_EQ(samples.set_count(), 0);
   samples.set(2, features, targets);
   EXPECT_EQ(samples.set_count(), 1);
+  EXPECT_THAT(error_of([] { TrainingSamples(-1, 2, 1); }),
+              HasSubstr("count is -1, expected [0, 4294967295]"));
+  EXPECT_THAT(error_of([] { TrainingSamples(3, 0, 1); }), HasSubstr("0 features, expected [1, 65535]"));
+  EXPECT_THAT(error_of([] { TrainingSamples(3, 65536, 1); }), HasSubstr("65536 features"));
+  EXPECT_THAT(error_of([] { TrainingSamples(3, 2, 0); }), HasSubstr("0 targets, expected at least 1"));
   EXPECT_TRUE(samples.is_set(2));
 }
 
@@ -112,6 +117,12 @@ TEST(ScoringTargets, WeightsScaleTargets) {
   const std::vector<double> wrong{1.0};
   EXPECT_THAT(error_of([&] { make_scoring_targets(samples, {order}, wrong, 7); }),
               HasSubstr("1 target weights"));
+  const std::vector<double> negative{1.0, -0.5};
+  EXPECT_THAT(error_of([&] { make_scoring_targets(samples, {order}, negative, 7); }),
+              HasSubstr("target weight -0.5 is not in [0, inf)"));
+  const std::vector<double> infinite{1.0, INFINITY};
+  EXPECT_THAT(error_of([&] { make_scoring_targets(samples, {order}, infinite, 7); }),
+              HasSubstr("target weight inf is not in [0, inf)"));
 }
 
 }  // namespace

@@ -61,10 +61,18 @@ TEST(BodyTest, MessagesNameTheFileAndTheFault) {
               HasSubstr("'longer'"));
   EXPECT_THAT(error_after([](Body& body) { body.shapedirs[1].offsets_mm.pop_back(); }), HasSubstr("thumb"));
   EXPECT_THAT(error_after([](Body& body) { body.shapedirs[1].name = "longer"; }), HasSubstr("two shape"));
+  EXPECT_THAT(error_after([](Body& body) { body.shapedirs[0].offsets_mm[2].x() = static_cast<float>(kNaN); }),
+              HasSubstr("shape direction 'longer' has an offset that is not finite"));
   EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].weights[0] = 0.5f; }),
               HasSubstr("wrist.R"));
   EXPECT_THAT(error_after([](Body& body) { body.landmark_regressor[1].vertices.clear(); }),
-              HasSubstr("palm"));
+              HasSubstr("landmark_regressor of palm has 1 entries, expected 0"));
+  EXPECT_THAT(error_after([](Body& body) { body.landmark_regressor[1] = {}; }),
+              HasSubstr("landmark_regressor of palm has no vertices"));
+  EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].weights[0] = static_cast<float>(kNaN); }),
+              HasSubstr("wrist.R has a weight that is not a number"));
+  EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].vertices[0] = 1 << 20; }),
+              HasSubstr("wrist.R names vertex 1048576"));
   EXPECT_THAT(error_after([](Body& body) { body.landmark_bones[0] = 77; }), HasSubstr("wrist is 77"));
   EXPECT_THAT(error_after([](Body& body) { body.names[2] = body.names[1]; }), HasSubstr("two bones"));
   EXPECT_THAT(error_after([](Body& body) { body.sections[0].vertices = 3; }), HasSubstr("section"));
@@ -76,6 +84,19 @@ TEST(BodyTest, MessagesNameTheFileAndTheFault) {
   EXPECT_THAT(error_after([](Body& body) { body.joint_regressor[1].weights[0] = NAN; }),
               HasSubstr("a weight that is not a number"));
   EXPECT_THAT(error_after([](Body& body) { body.parents.pop_back(); }), HasSubstr("parents has"));
+  EXPECT_THAT(error_after([](Body& body) { body.sections[0].vertices = 3; }),
+              HasSubstr("reaches out of its section of 3 vertices"));
+  EXPECT_THAT(error_after([](Body& body) { body.sections[0].vertices = 1 << 20; }),
+              HasSubstr("a section of 1048576 vertices"));
+  EXPECT_THAT(error_after([](Body& body) {
+                body.sections[0] = {1, -1};
+              }),
+              HasSubstr("a section of 1 vertices and -1 faces"));
+  EXPECT_THAT(error_after([](Body& body) {
+                body.names.clear();
+                body.parents.clear();
+              }),
+              HasSubstr("a.model: the body has no bones"));
 }
 
 TEST(BodyTest, CycleInParentsIsRefused) {

@@ -267,6 +267,10 @@ TEST(HandSkeletonTest, ChecksNameBoneAndBound) {
               HasSubstr("has angle 22, expected one of 22"));
   EXPECT_THAT(fault_after([](auto& s) { bone_of(s, HandBone::ring_distal).turns.resize(5); }),
               HasSubstr("ring_distal has 5 turns, expected at most 4"));
+  HandSkeleton unchecked = adult_skeleton();
+  bone_of(unchecked, HandBone::ring_distal).turns.resize(5);
+  EXPECT_THAT(testing::error_of([&] { landmarks(unchecked, {}, RigidTransform::Identity()); }),
+              HasSubstr("a bone has 5 turns, expected at most 4"));
 }
 
 TEST(HandSkeletonTest, ChecksNameLandmarkLengthAndLimit) {

@@ -192,7 +192,10 @@ TEST(SkeletonFit, ThreeTargetsAreNeededAndOptionsChecked) {
   EXPECT_THAT(fault({.size_spread = -1.0}), ::testing::HasSubstr("size_spread is -1"));
   EXPECT_THAT(fault({.most_steps = 0}), ::testing::HasSubstr("most_steps is 0"));
   targets[0].weight = -1.0;
-  EXPECT_THAT(fault({}), ::testing::HasSubstr("weight is -1"));
+  EXPECT_THAT(fault({}), ::testing::HasSubstr("a landmark's weight is -1"));
+  targets[0].weight = 1.0;
+  targets[0].depth_weight = -1.0;
+  EXPECT_THAT(fault({}), ::testing::HasSubstr("depth_weight is -1, expected 0 or more"));
 }
 
 TEST(SkeletonFit, BeginsWithTheProportionsThatAreKnown) {

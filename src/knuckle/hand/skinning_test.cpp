@@ -189,6 +189,8 @@ TEST(SkinningTest, BadInputIsNamed) {
   EXPECT_THAT(error_of([&] { shaped_body(body, std::array{1.0}); }), HasSubstr("1 coefficients for 2"));
   EXPECT_THAT(error_of([&] { shaped_body(body, std::array{kNaN, 0.0}); }), HasSubstr("'longer'"));
   EXPECT_THAT(error_of([&] { posed_body(person, pose, 1 << 20); }), HasSubstr("vertices asked for"));
+  pose.camera_from_body.translation().x() = static_cast<float>(kNaN);
+  EXPECT_THAT(error_of([&] { posed_body(person, pose); }), HasSubstr("camera_from_body is not finite"));
   pose.rotations[1].w() = static_cast<float>(kNaN);
   EXPECT_THAT(error_of([&] { posed_body(person, pose); }), HasSubstr("'wrist.R'"));
   pose.rotations.pop_back();

@@ -2,6 +2,8 @@
 #include "knuckle/net/network_options.h"
 
 #include "knuckle/core/testing.h"
+#include "knuckle/net/exported_network.h"
+#include "knuckle/net/network_architectures.h"
 
 namespace knuckle {
 namespace {
@@ -33,6 +35,24 @@ TEST(NetworkOptions, AreTheSameAfterTomlAndBack) {
   }
 }
 
+TEST(NetworkOptions, OfAnExportedNetworkAreInItsMetadata) {
+  OnnxModel model;
+  EXPECT_FALSE(exported_options(model, "net.onnx")) << "somebody else's";
+  NetworkOptions options;
+  options.patch.size_px = 64;
+  set_exported_options(model, options);
+  EXPECT_EQ(exported_options(model, "net.onnx")->patch.size_px, 64);
+  const auto fault_of = [](const OnnxModel& changed) {
+    return error_of([&] { (void)exported_options(changed, "net.onnx"); });
+  };
+  OnnxModel other = model;
+  other.metadata["knuckle.kind"] = "knuckle-detector";
+  EXPECT_THAT(fault_of(other),
+              HasSubstr("net.onnx: it is a \"knuckle-detector\", expected a \"knuckle-network\""));
+  model.metadata.erase("knuckle.options");
+  EXPECT_THAT(fault_of(model), HasSubstr("net.onnx: its metadata have no knuckle.options"));
+}
+
 TEST(NetworkOptions, HoldAConventionOfOnesOwn) {
   NetworkOptions options;
   options.convention = "net_lab: wrist, net_lab_knob~index_mcp, little_tip";
@@ -49,6 +69,7 @@ TEST(NetworkOptions, RefuseWhatDoesNotFitTogether) {
   NetworkOptions options;
   options.architecture = "wide";
   EXPECT_THAT(fault(options), AllOf(HasSubstr("net.toml"), HasSubstr("wide"), HasSubstr("dense")));
+  EXPECT_THAT(error_of([&] { (void)architecture_of(options); }), HasSubstr("unknown network 'wide'"));
   options = {};
   options.convention = "toes";
   EXPECT_THAT(fault(options), HasSubstr("toes"));

@@ -75,7 +75,8 @@ TEST(PoseNetwork, RefusesAPatchOfAnotherSizeOrWithNaN) {
               HasSubstr("a patch of 96 x 96, expected 32 x 32"));
   Image<float> patch(32, 32);
   patch(3, 4) = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(error_of([&] { (void)network.predict(patch); }), HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { (void)network.predict(patch); }),
+              HasSubstr("a pixel of the patch is not finite"));
 }
 
 TEST(PoseNetwork, ReportsAJointThatIsNotFinite) {
@@ -85,7 +86,8 @@ TEST(PoseNetwork, ReportsAJointThatIsNotFinite) {
     for (Half& half : weights.halves(array.name)) half = half_of_float(60000.0f);
   }
   const PoseNetwork network(weights);
-  EXPECT_THAT(error_of([&] { (void)network.predict(diagonal_patch()); }), HasSubstr("not finite"));
+  EXPECT_THAT(error_of([&] { (void)network.predict(diagonal_patch()); }),
+              HasSubstr("a joint it predicts is not finite"));
 }
 
 }  // namespace

@@ -201,7 +201,12 @@ TEST(PatchExtractor, RefusesWhatDoesNotFit) {
               HasSubstr("the whitening matrix holds a value that is not finite"));
   HandRegion hand = whole_box({1, 1, 5, 5});
   hand.box.width = 6;
-  EXPECT_THAT(error_of([&] { (void)PatchExtractor({8}).extract(ramp_frame(), hand); }), HasSubstr("made_up"));
+  EXPECT_THAT(error_of([&] { (void)PatchExtractor({8}).extract(ramp_frame(), hand); }),
+              HasSubstr("the hand's mask is 5 x 5 pixels, its box 6 x 5"));
+  EXPECT_THAT(error_of([] {
+                PatchExtractor({8, "cube"}, PatchStatistics{8, Image<float>(8, 8), {}});
+              }),
+              HasSubstr("patches of a cube take no mean patch and no whitening"));
 }
 
 }  // namespace

@@ -30,6 +30,14 @@ TEST(PatchMean, RefusesOtherSizesAndNoPatches) {
   PatchMean mean(5);
   EXPECT_THAT(testing::error_of([&] { (void)mean.mean(); }), ::testing::HasSubstr("no patch"));
   EXPECT_THAT(testing::error_of([&] { mean.add(Image<float>(5, 6)); }), ::testing::HasSubstr("5 x 6"));
+  EXPECT_THAT(testing::error_of([] {
+                check(PatchStatistics{1, {}, {}});
+              }),
+              ::testing::HasSubstr("patch statistics: size_px is 1, expected [2, 1024]"));
+  EXPECT_THAT(testing::error_of([] {
+                check(PatchStatistics{1025, {}, {}});
+              }),
+              ::testing::HasSubstr("size_px is 1025"));
 }
 
 TEST(PatchStatistics, AreCheckedBeforeUse) {

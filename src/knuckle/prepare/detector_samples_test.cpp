@@ -6,6 +6,7 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/data/writers/folder_writer.h"
 #include "knuckle/prepare/detector_augmentation.h"
 #include "knuckle/segment/testing.h"
 
@@ -41,6 +42,18 @@ DetectorSamples detector_samples_of(const std::vector<Frame>& frames) {
                 hand_numbers(labelled_hands(frames[i]), view));
   }
   return samples;
+}
+
+TEST(DetectorSamplesOfASource, WithoutTruthAreRefused) {
+  const testing::TemporaryFolder folder;
+  FrameWriterOptions options;
+  options.count = 1;
+  FolderWriter writer(folder / "set", options);
+  writer.write(0, blank_frame(quarter_vga_camera()));
+  writer.finish();
+  EXPECT_THAT(
+      testing::error_of([&] { detector_samples("folder:" + (folder / "set").string(), {}, 0); }),
+      ::testing::AllOf(::testing::HasSubstr("folder:"), ::testing::HasSubstr("no truth to train on")));
 }
 
 TEST(LabelledHands, CentreAndExtentAreThoseOfTheKnownLandmarks) {

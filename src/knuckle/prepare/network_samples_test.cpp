@@ -235,7 +235,7 @@ TEST_F(NetworkSamplesTest, WithoutTruthThereIsNothingToTrainOn) {
   EXPECT_THAT(testing::error_of([&] {
                 samples(2, [](int, Frame& frame) { frame.truth = HandPose::missing(superset_convention()); });
               }),
-              HasSubstr("no "));
+              HasSubstr("no frame can be used: of 2 frames 2 have no labels"));
 }
 
 }  // namespace

@@ -33,6 +33,13 @@ TEST(OpenSource, NamesAnUnknownKindAndTheNearest) {
                 "folder, icg, icvl, nyu, msra15, hands17, h5, fakenect, rosbag, mcap, mkv, oni, synthetic")));
 }
 
+TEST(OpenSource, TakesNoCameraAndNoUnknownStream) {
+  EXPECT_THAT(error_of([] { open_source("v4l2:/dev/video0"); }),
+              HasSubstr("is a camera, for `live` and `record`"));
+  EXPECT_THAT(error_of([] { open_stream("synthetik:m.toml"); }),
+              AllOf(HasSubstr("unknown kind of stream 'synthetik'"), HasSubstr("v4l2")));
+}
+
 TEST(OpenSource, TheGeneratorTakesSelectionsAndNoSettings) {
   const std::string demo = "synthetic:" + resource_path("manifests/demo.toml").string();
   EXPECT_EQ(open_source(demo + "?first=3&count=5&step=2")->size(), 5);

@@ -89,6 +89,16 @@ TEST_F(PoseForestTrainingTest, CountsWhatBecameOfTheFrames) {
 }
 
 /// A set in which v follows one slant of the patch and d the other.
+TEST_F(PoseForestTrainingTest, WithoutTruthOrAHandThereIsNothingToTrainOn) {
+  write_set("plain", [](int, Frame& frame) { frame.truth.reset(); });
+  EXPECT_THAT(testing::error_of([&] { train("plain"); }),
+              ::testing::AllOf(::testing::HasSubstr("plain"), ::testing::HasSubstr("no truth to train on")));
+  write_set("unknown", [](int, Frame& frame) { frame.truth = HandPose::missing(superset_convention()); });
+  EXPECT_THAT(
+      testing::error_of([&] { train("unknown"); }),
+      ::testing::AllOf(::testing::HasSubstr("unknown"), ::testing::HasSubstr("no frame can be trained on")));
+}
+
 TEST(TrainPoseForestWeights, WithoutWeightOnDepthSplitsFollowUAndVAlone) {
   const Convention& convention = convention_from_name("nyu14");
   constexpr int kSize = 12;

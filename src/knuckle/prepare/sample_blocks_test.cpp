@@ -150,6 +150,13 @@ TEST_F(SampleBlocksTest, AreNamedWhereTheyAreCutShortMissingOrOfAnotherSet) {
   std::filesystem::resize_file(block(1), whole.size() - 1000);
   EXPECT_THAT(fault(), names_it);
   EXPECT_THAT(error_of([&] { open(); }), AllOf(names_it, HasSubstr("bytes"), HasSubstr("remove the file")));
+  SampleBlocks::Making fewer{{}, tiny_samples(), "samples", {}};
+  fewer.inputs.add("set", set_);
+  fewer.cutter = [] { return std::make_unique<MadeUpCutter>(kFramesCut, 3); };
+  SampleBlocks::opened(folder_ / "fewer", fewer);
+  std::filesystem::copy_file(folder_ / "fewer" / "block_000001.h5", block(1),
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("is not the block that it was")));
   std::filesystem::copy_file(block(0), block(1), std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(fault(), AllOf(names_it, HasSubstr("other sources or options")));
   std::filesystem::remove(block(1));

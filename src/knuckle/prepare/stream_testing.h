@@ -73,11 +73,13 @@ class MemoryStream final : public SampleStream {
     for (const std::int64_t number : numbers) {
       if (number == breaks_at) fail("sample {} breaks", number);
       fetched += 1;
-      to.set(first++, samples_.sample(number));
+      if (number != leaves_out) to.set(first, samples_.sample(number));
+      ++first;
     }
   }
 
   std::int64_t breaks_at = -1;
+  std::int64_t leaves_out = -1;
   mutable std::atomic<std::int64_t> fetched = 0;
 
  private:

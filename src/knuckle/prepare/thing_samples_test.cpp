@@ -79,6 +79,11 @@ TEST_F(ThingSamples, OfAHandThatIsSeenOtherPlacesAreTaken) {
     EXPECT_GT((found.samples.sample(i).centre_mm - kHand).norm(), 160.0);
 }
 
+TEST_F(ThingSamples, OfFramesWithoutTruthAreRefused) {
+  EXPECT_THAT(error_of([&] { things(1, [](Frame& frame) { frame.truth.reset(); }); }),
+              HasSubstr("no truth to train on"));
+}
+
 TEST_F(ThingSamples, FramesOfHandsAloneAreRefused) {
   seen_ = kHand;
   EXPECT_THAT(error_of([&] {

@@ -89,6 +89,17 @@ TEST_F(ArchiveTest, WhatIsMissingOrOfAnotherKindIsNamed) {
               HasSubstr("name is not a number"));
   EXPECT_THAT(fault([](ArchiveReader& archive) { archive.tensors("name"); }),
               HasSubstr("name_count is missing"));
+  ArchiveWriter archive("measures", 2);
+  archive.write("few_count", -1.0);
+  archive.write("many_count", 1e6);
+  archive.write("texts_count", 1.0);
+  archive.write("texts_0", "no tensor");
+  archive.save(file_);
+  EXPECT_THAT(fault([](ArchiveReader& file) { file.tensors("few"); }), HasSubstr("few holds -1 tensors"));
+  EXPECT_THAT(fault([](ArchiveReader& file) { file.tensors("many"); }),
+              HasSubstr("many holds 1000000 tensors"));
+  EXPECT_THAT(fault([](ArchiveReader& file) { file.tensors("texts"); }),
+              HasSubstr("texts_0 is not a tensor"));
 }
 
 TEST_F(ArchiveTest, CopiesOnlyNumbersIntoTensorsOfTheSameShapes) {

@@ -256,6 +256,8 @@ TEST(BatchPlan, ABatchDependsOnItsNumberAndTheSeedAlone) {
 TEST(BatchPlan, RefusesAnEmptySetAndOptionsOutOfRange) {
   const CubeSamples none = made_up_samples(0);
   EXPECT_THAT(error_of([&] { plan_of(none, {}, 4, 1); }), HasSubstr("no sample to train on"));
+  EXPECT_THAT(error_of([] { CubeSampleViews(std::vector<TrainingCrops>{}, no_augmentation()); }),
+              HasSubstr("no sample to train on"));
   const CubeSamples samples = made_up_samples(1);
   EXPECT_THAT(error_of([&] { plan_of(samples, {.rotation_deg = 200.0}, 4, 1); }), HasSubstr("rotation_deg"));
 }

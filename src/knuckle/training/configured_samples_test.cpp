@@ -181,6 +181,13 @@ TEST_F(ConfiguredSamplesTest, TakeNoMoreMemoryThanTheyMay) {
   EXPECT_THAT(error_of([&] { streaming_options(read, validation); }), too_little);
 }
 
+TEST_F(ConfiguredSamplesTest, NeedADetectorThatFindsThings) {
+  write_set("mine", 4, 500.0, "mediapipe21");
+  EXPECT_THAT(
+      error_of([&] { config("[[source]]\nsource = 'folder:mine'\nholdout = 0.5\nmost_things = 5\n"); }),
+      AllOf(HasSubstr("train.toml: most_things is 5"), HasSubstr("no 'detector' is named")));
+}
+
 TEST_F(ConfiguredSamplesTest, NeedFramesToValidateOn) {
   write_set("mine", 4, 500.0, "mediapipe21");
   const auto fault = [&](const std::string& sources) { return error_of([&] { config(sources); }); };

@@ -290,6 +290,20 @@ TEST_F(DetectorTraining, BeginsWithAModelOfItsKindAlone) {
               AllOf(HasSubstr("dense.pt"), HasSubstr("knuckle-network"), HasSubstr("knuckle-detector")));
 }
 
+TEST_F(DetectorTraining, NeedsSamplesAndRoomForThem) {
+  const DetectorSamples none(small_detector(), 0);
+  const NetworkTrainingRun run = testing::run_in(folder_.path(), "none");
+  EXPECT_THAT(error_of([&] { train_detector(small_detector(), short_training(), {}, none, samples_, run); }),
+              HasSubstr("no sample to train on"));
+  EXPECT_THAT(error_of([&] { train_detector(small_detector(), short_training(), {}, samples_, none, run); }),
+              HasSubstr("no sample to validate on"));
+  DetectorTrainingConfig config;
+  config.source = config.validation = "synthetic:manifests/demo.toml";
+  config.samples = {.most = 2, .most_validation = 1, .memory_gb = 1e-6};
+  EXPECT_THAT(error_of([&] { run_detector_training(config, run); }),
+              AllOf(HasSubstr("3 samples take"), HasSubstr("more than memory_gb, 1e-06")));
+}
+
 TEST(DetectionCounts, OfHandsFoundMissedAndInvented) {
   const DetectorOptions options;
   const DetectorView view(options, camera_of_picture(options));

@@ -241,6 +241,47 @@ TEST_F(NetworkTraining, RefusesACheckpointOfAnotherTraining) {
               AllOf(HasSubstr("none.checkpoint"), HasSubstr("no such file")));
 }
 
+TEST_F(NetworkTraining, RefusesACheckpointWithoutMetrics) {
+  train(short_training(), run());
+  const std::filesystem::path file = folder_ / "net.checkpoint";
+  const std::string format = "knuckle-network-checkpoint";
+  const auto fault_with = [&](const std::vector<torch::Tensor>& metrics) {
+    ArchiveReader whole(file, format, 2);
+    ArchiveWriter changed(format, 2);
+    changed.write("identity", whole.text("identity"));
+    changed.write("step", whole.number("step"));
+    for (const char* const part : {"parameters", "buffers", "averages", "moments"})
+      changed.write(part, whole.tensors(part));
+    changed.write("metrics", metrics);
+    changed.save(file);
+    return error_of([&] { train(short_training(), run("net", Begin::from_checkpoint)); });
+  };
+  const auto names_it = AllOf(HasSubstr("net.checkpoint"), HasSubstr("the metrics are missing"));
+  EXPECT_THAT(fault_with({torch::zeros({1, 2}, torch::kDouble)}), names_it);
+  EXPECT_THAT(fault_with({torch::zeros({9}, torch::kDouble)}), names_it);
+  EXPECT_THAT(fault_with({}), names_it);
+}
+
+/// A worker that cannot reach the others.
+class LonelyWorker final : public WorkerGroup {
+ public:
+  int rank() const override { return 0; }
+  int size() const override { return 3; }
+  std::vector<std::byte> exchange(Messages, const std::vector<std::int64_t>&) override {
+    throw std::runtime_error("the others are lost");
+  }
+  double seconds_in_exchange() const override { return 0.0; }
+  std::int64_t bytes_sent() const override { return 0; }
+};
+
+TEST_F(NetworkTraining, RefusesMoreWorkersThanShards) {
+  LonelyWorker workers;
+  NetworkTrainingRun shared = run();
+  shared.workers = &workers;
+  EXPECT_THAT(error_of([&] { train(short_training(), shared); }),
+              HasSubstr("there are 3 workers for 2 shards"));
+}
+
 class TwoSetsOfSamples : public NetworkTraining, public ::testing::WithParamInterface<std::string_view> {
  protected:
   std::vector<TrainingMetrics> train(const NetworkTrainingRun& files, double weight = 0.5) const {

@@ -120,6 +120,23 @@ TEST_F(StreamedViewsTest, HandOnWhatReadingThrows) {
               HasSubstr("sample 17 breaks"));
 }
 
+TEST_F(StreamedViewsTest, GiveOnlySamplesThatWereFetchedAndMissNone) {
+  const auto all = views({});
+  const auto some = all->fetched(std::vector<std::int64_t>{2, 9});
+  std::vector<float> input(32 * 32);
+  std::vector<float> target(45);
+  Random random(1);
+  EXPECT_NO_THROW(some->view(9, random, input, target));
+  EXPECT_THAT(error_of([&] { some->view(3, random, input, target); }), HasSubstr("sample 3 was not fetched"));
+  EXPECT_THAT(error_of([&] { some->view(10, random, input, target); }),
+              HasSubstr("sample 10 was not fetched"));
+  few_stream_->leaves_out = 2;
+  EXPECT_THAT(error_of([&] {
+                all->fetched(std::vector<std::int64_t>{2, 9});
+              }),
+              HasSubstr("1 samples were fetched, expected 2"));
+}
+
 TEST_F(StreamedViewsTest, EndWhileSamplesAreLeft) {
   BatchLoader loader(streamed({.window = 20, .most_at_once = 16}), 0, 1000000000);
   EXPECT_FALSE(loader.next().inputs.empty());

@@ -26,6 +26,7 @@ const OnnxShape& NodeView::shape(std::size_t input) const {
   const auto constant = tensors_.constants->find(name);
   if (constant == tensors_.constants->end()) fault("it reads '{}', which nothing before it makes", name);
   if (constant->second.type != OnnxType::float32) fault("it computes with whole numbers, which is not done");
+  if (constant->second.reals.empty()) fault("input {} is a constant without numbers", input);
   return constant->second.shape;
 }
 
@@ -118,7 +119,9 @@ OnnxShape NodeView::become_reshape(OnnxShape shape) {
   check_size(shape);
   become("Reshape", {});
   const std::string name = "knuckle:shape:" + node_.outputs.front();
-  if (!tensors_.constants->emplace(name, integer_list(shape)).second) fault("'{}' is a name of ours", name);
+  if (tensors_.shapes.contains(name) || !tensors_.constants->emplace(name, integer_list(shape)).second) {
+    fault("'{}' is a name of ours", name);
+  }
   node_.inputs.push_back(name);
   return shape;
 }

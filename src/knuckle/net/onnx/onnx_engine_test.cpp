@@ -84,6 +84,23 @@ TEST_F(OnnxEngineTest, GivesAllOutputsInTheirOrder) {
   EXPECT_THAT(outputs[1], ElementsAre(0.0f, 2.0f));
 }
 
+TEST_F(OnnxEngineTest, InputsAndOutputsHaveTheShapesOfTheModel) {
+  OnnxModel model = checked_onnx(one_node("Relu", {1, 1, 2, 2}), "net.onnx");
+  EXPECT_THAT(create_onnx_engine(model, "net.onnx")->run(std::vector<float>(4, 1.0f)).front(),
+              ElementsAre(1.0f, 1.0f, 1.0f, 1.0f));
+  const auto fault_of = [&](std::size_t numbers) -> std::string {
+    try {
+      (void)create_onnx_engine(model, "net.onnx")->run(std::vector<float>(numbers, 1.0f));
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "no fault";
+  };
+  EXPECT_THAT(fault_of(5), HasSubstr("an input of another size"));
+  model.outputs.front().shape = {1, 1, 2, 3};
+  EXPECT_THAT(fault_of(4), HasSubstr("output 'y' has another shape than the file says"));
+}
+
 TEST_F(OnnxEngineTest, WhatTheEngineCannotIsOneLine) {
   OnnxModel model = checked_onnx(one_node("Relu", {1, 1, 2, 2}), "net.onnx");
   model.nodes.front().operation = "Teleport";

@@ -83,16 +83,25 @@ TEST(OnnxFile, WhatIsNoOnnxIsSaid) {
   EXPECT_THAT(error_of([&] { (void)load_onnx(folder.path()); }), HasSubstr(folder.path().string()));
 }
 
-/// A model whose graph holds one constant that is written by hand.
-std::string with_constant(const ProtobufWriter& tensor) {
-  ProtobufWriter graph;
-  graph.message(onnx_fields::kInitializer, tensor);
+/// A model whose graph is written by hand.
+std::string with_graph(const ProtobufWriter& graph) {
   ProtobufWriter opset;
   opset.integer(onnx_fields::kOpsetVersion, 13);
   ProtobufWriter model;
   model.message(onnx_fields::kGraph, graph);
   model.message(onnx_fields::kOpsetImport, opset);
   return model.text();
+}
+
+/// The same of a graph with one field.
+std::string with_graph(std::uint32_t number, const ProtobufWriter& value) {
+  ProtobufWriter graph;
+  graph.message(number, value);
+  return with_graph(graph);
+}
+
+std::string with_constant(const ProtobufWriter& tensor) {
+  return with_graph(onnx_fields::kInitializer, tensor);
 }
 
 ProtobufWriter tensor_of(std::int64_t type, const testing::Integers& shape) {
@@ -124,6 +133,22 @@ TEST(OnnxFile, ConstantsMustBeWhole) {
   ProtobufWriter odd = tensor_of(1, {2});
   odd.bytes(onnx_fields::kRawData, "abc");
   EXPECT_THAT(fault(with_constant(odd)), HasSubstr("3 bytes of data"));
+
+  ProtobufWriter reals = tensor_of(7, {1});
+  reals.real(onnx_fields::kRealData, 1.0f);
+  EXPECT_THAT(fault(with_constant(reals)), HasSubstr("'w': its data are of another type than it says"));
+  ProtobufWriter integers = tensor_of(1, {1});
+  integers.integer(onnx_fields::kIntegerData, 1);
+  EXPECT_THAT(fault(with_constant(integers)), HasSubstr("'w': its data are of another type than it says"));
+}
+
+TEST(OnnxFile, AListOfWholeNumbersIsBounded) {
+  ProtobufWriter longest = tensor_of(7, {1 << 16});
+  longest.bytes(onnx_fields::kRawData, std::string(8 << 16, '\0'));
+  EXPECT_EQ(parse_onnx(with_constant(longest), "net.onnx").constants.at("w").integers.size(), 1u << 16);
+  ProtobufWriter longer = tensor_of(7, {(1 << 16) + 1});
+  longer.bytes(onnx_fields::kRawData, std::string((8 << 16) + 8, '\0'));
+  EXPECT_THAT(fault(with_constant(longer)), HasSubstr("'w': more than 65536 whole numbers"));
 }
 
 TEST(OnnxFile, DataInOtherFilesAreRefused) {
@@ -138,16 +163,31 @@ TEST(OnnxFile, DataInOtherFilesAreRefused) {
   }
 }
 
-/// A model of one node that is written by hand.
 std::string with_node(const ProtobufWriter& node) {
-  ProtobufWriter graph;
-  graph.message(onnx_fields::kNode, node);
-  ProtobufWriter opset;
-  opset.integer(onnx_fields::kOpsetVersion, 13);
-  ProtobufWriter model;
-  model.message(onnx_fields::kGraph, graph);
-  model.message(onnx_fields::kOpsetImport, opset);
-  return model.text();
+  return with_graph(onnx_fields::kNode, node);
+}
+
+/// A model of one node with one attribute.
+std::string with_attribute(const ProtobufWriter& attribute) {
+  ProtobufWriter node;
+  node.bytes(onnx_fields::kOperation, "Conv");
+  node.message(onnx_fields::kAttribute, attribute);
+  return with_node(node);
+}
+
+/// A model of one input, whose type is written by hand.
+std::string with_input(const ProtobufWriter& type) {
+  ProtobufWriter input;
+  input.bytes(onnx_fields::kValueName, "x");
+  input.message(onnx_fields::kValueType, type);
+  return with_graph(onnx_fields::kInput, input);
+}
+
+/// A message of one field, which holds another message.
+ProtobufWriter around(std::uint32_t number, const ProtobufWriter& value) {
+  ProtobufWriter message;
+  message.message(number, value);
+  return message;
 }
 
 TEST(OnnxFile, WhatIsNotReadIsSaid) {
@@ -179,79 +219,147 @@ TEST(OnnxFile, WhatIsNotReadIsSaid) {
   EXPECT_THAT(fault(sound + sound), HasSubstr("twice"));
 }
 
-TEST(OnnxFile, AttributesAreOfTheKindsThatAreReadAndThereOnce) {
-  const auto attribute = [](std::int64_t type) {
-    ProtobufWriter written;
-    written.bytes(onnx_fields::kAttributeName, "a");
-    written.integer(onnx_fields::kInteger, 3);
-    written.integer(onnx_fields::kAttributeType, type);
-    return written;
-  };
+TEST(OnnxFile, AnAttributeHasOneValueOfAKnownType) {
+  ProtobufWriter texts;
+  texts.bytes(onnx_fields::kAttributeName, "words");
+  texts.integer(onnx_fields::kAttributeType, 8);
+  EXPECT_THAT(fault(with_attribute(texts)),
+              HasSubstr("the attribute 'words' is of type 8, expected numbers, a text or a tensor"));
+  ProtobufWriter missing;
+  missing.bytes(onnx_fields::kAttributeName, "value");
+  missing.integer(onnx_fields::kAttributeType, onnx_fields::kTypeTensor);
+  EXPECT_THAT(fault(with_attribute(missing)), HasSubstr("the attribute 'value' is of type 4, expected"));
+
+  ProtobufWriter axis;
+  axis.bytes(onnx_fields::kAttributeName, "axis");
+  axis.integer(onnx_fields::kAttributeType, onnx_fields::kTypeInteger);
+  axis.integer(onnx_fields::kInteger, 1);
+  EXPECT_NO_THROW((void)parse_onnx(with_attribute(axis), "net.onnx"));
   ProtobufWriter node;
-  node.bytes(onnx_fields::kOperation, "Conv");
-  ProtobufWriter foreign = node;
-  foreign.message(onnx_fields::kAttribute, attribute(11));
-  EXPECT_THAT(fault(with_node(foreign)), HasSubstr("the attribute 'a' is of type 11, expected numbers"));
-  ProtobufWriter twice = node;
-  for (int i = 0; i < 2; ++i) twice.message(onnx_fields::kAttribute, attribute(onnx_fields::kTypeInteger));
-  EXPECT_THAT(fault(with_node(twice)), HasSubstr("an attribute is there twice"));
-  ProtobufWriter later = node;
-  later.integer(99, 1);
-  EXPECT_THAT(fault(with_node(later)), HasSubstr("it has the unknown field 99"));
+  node.bytes(onnx_fields::kOperation, "Concat");
+  node.message(onnx_fields::kAttribute, axis);
+  node.message(onnx_fields::kAttribute, axis);
+  EXPECT_THAT(fault(with_node(node)), HasSubstr("(Concat): an attribute is there twice"));
+  axis.integer(onnx_fields::kInteger, 2);
+  EXPECT_THAT(fault(with_attribute(axis)), HasSubstr("field 3 is there twice"));
 }
 
-/// A model of this graph, with its operators' version told so often.
-std::string with_graph(const ProtobufWriter& graph, int opsets = 1) {
+TEST(OnnxFile, AnInputIsATensorOfRealNumbers) {
+  ProtobufWriter sequence;
+  sequence.bytes(4, "");
+  EXPECT_THAT(fault(with_input(sequence)), HasSubstr("input 'x': it is no tensor"));
+  ProtobufWriter half;
+  half.integer(onnx_fields::kElementType, 10);
+  EXPECT_THAT(fault(with_input(around(onnx_fields::kTensorType, half))),
+              HasSubstr("input 'x': its numbers are float16"));
+}
+
+/// Readers differ in which of two they take.
+TEST(OnnxFile, NamesAndVersionsAreThereOnce) {
+  ProtobufWriter tensor = tensor_of(1, {1});
+  tensor.real(onnx_fields::kRealData, 1.0f);
+  ProtobufWriter graph;
+  graph.message(onnx_fields::kInitializer, tensor);
+  graph.message(onnx_fields::kInitializer, tensor);
+  EXPECT_THAT(fault(with_graph(graph)), HasSubstr("the constant 'w' is there twice"));
+
   ProtobufWriter opset;
-  opset.integer(onnx_fields::kOpsetVersion, 13);
+  opset.integer(onnx_fields::kOpsetVersion, 12);
   ProtobufWriter model;
-  model.message(onnx_fields::kGraph, graph);
-  for (int i = 0; i < opsets; ++i) model.message(onnx_fields::kOpsetImport, opset);
-  return model.text();
+  model.message(onnx_fields::kOpsetImport, opset);
+  EXPECT_THAT(fault(with_graph(ProtobufWriter()) + model.text()),
+              HasSubstr("two versions of ONNX's operators"));
+
+  ProtobufWriter entry;
+  entry.bytes(onnx_fields::kEntryKey, "joints");
+  entry.bytes(onnx_fields::kEntryValue, "14");
+  const std::string metadata = around(onnx_fields::kModelMetadata, entry).text();
+  EXPECT_NO_THROW((void)parse_onnx(with_graph(ProtobufWriter()) + metadata, "net.onnx"));
+  EXPECT_THAT(fault(with_graph(ProtobufWriter()) + metadata + metadata),
+              HasSubstr("metadata: 'joints' is there twice"));
 }
 
-TEST(OnnxFile, GraphsThatSayThingsTwiceOrSayOthersAreRefused) {
-  ProtobufWriter sound = tensor_of(1, {2});
-  sound.bytes(onnx_fields::kRawData, std::string(8, '\0'));
-  ProtobufWriter twice;
-  for (int i = 0; i < 2; ++i) twice.message(onnx_fields::kInitializer, sound);
-  EXPECT_THAT(fault(with_graph(twice)), HasSubstr("the constant 'w' is there twice"));
-  EXPECT_THAT(fault(with_graph({}, 2)), HasSubstr("two versions of ONNX's operators"));
+/// Each message with a field of number 31, which none of them has.
+TEST(OnnxFile, AnUnknownFieldIsRefusedInEachMessage) {
+  ProtobufWriter unknown;
+  unknown.integer(31, 1);
+  const auto type_around = [](const ProtobufWriter& shape) {
+    return with_input(around(onnx_fields::kTensorType, around(onnx_fields::kShape, shape)));
+  };
+  EXPECT_THAT(fault(with_graph(unknown)), HasSubstr("net.onnx: damaged, or of a later format"));
+  EXPECT_THAT(fault(with_constant(unknown)), HasSubstr("constant: damaged, or of a later format"));
+  EXPECT_THAT(fault(with_node(unknown)), HasSubstr("node 0: damaged, or of a later format"));
+  EXPECT_THAT(fault(with_attribute(unknown)), HasSubstr("the attribute '' has the field 31"));
+  EXPECT_THAT(fault(with_graph(onnx_fields::kInput, unknown)), HasSubstr("unknown field 31"));
+  EXPECT_THAT(fault(with_input(around(onnx_fields::kTensorType, unknown))), HasSubstr("unknown field 31"));
+  EXPECT_THAT(fault(type_around(unknown)), HasSubstr("unknown field 31"));
+  EXPECT_THAT(fault(type_around(around(onnx_fields::kDimension, unknown))), HasSubstr("unknown field 31"));
+  for (const std::uint32_t number : {onnx_fields::kOpsetImport, onnx_fields::kModelMetadata}) {
+    EXPECT_THAT(fault(with_graph(ProtobufWriter()) + around(number, unknown).text()),
+                HasSubstr("unknown field 31"));
+  }
+  EXPECT_THAT(fault(with_graph(ProtobufWriter()) + unknown.text()),
+              HasSubstr("no ONNX file: it has the unknown field 31"));
+
   ProtobufWriter sparse;
   sparse.bytes(onnx_fields::kSparseInitializer, "");
-  EXPECT_THAT(fault(with_graph(sparse)), HasSubstr("it has sparse constants"));
-  ProtobufWriter sequence;
-  sequence.bytes(4, "");  // a list of tensors
-  ProtobufWriter value;
-  value.bytes(onnx_fields::kValueName, "x");
-  value.message(onnx_fields::kValueType, sequence);
-  ProtobufWriter with_sequence;
-  with_sequence.message(onnx_fields::kInput, value);
-  EXPECT_THAT(fault(with_graph(with_sequence)), HasSubstr("it is no tensor"));
-  ProtobufWriter mixed = tensor_of(1, {2});
-  mixed.integer(onnx_fields::kIntegerData, 7);
-  EXPECT_THAT(fault(with_constant(mixed)), HasSubstr("its data are of another type than it says"));
-  ProtobufWriter many = tensor_of(7, {(1 << 16) + 1});
-  many.bytes(onnx_fields::kRawData, std::string(8 * ((1 << 16) + 1), '\0'));
-  EXPECT_THAT(fault(with_constant(many)), HasSubstr("more than 65536 whole numbers"));
+  EXPECT_THAT(fault(with_graph(sparse)), HasSubstr("sparse constants, which are not read"));
 }
 
-TEST(OnnxFile, NamesAreBounded) {
-  ProtobufWriter node;
-  node.bytes(onnx_fields::kOperation, "Conv");
-  node.bytes(onnx_fields::kNodeName, std::string(100'000, 'n'));
-  EXPECT_THAT(fault(with_node(node)), HasSubstr("is a name that is too long"));
+/// `count` times the same field, which is empty.
+ProtobufWriter repeated(std::uint32_t number, int count) {
+  ProtobufWriter message;
+  for (int i = 0; i < count; ++i) message.bytes(number, "");
+  return message;
 }
 
 TEST(OnnxFile, CountsAreBounded) {
-  ProtobufWriter graph;
-  for (int i = 0; i < (1 << 14) + 1; ++i) graph.bytes(onnx_fields::kNode, "");
-  ProtobufWriter opset;
-  opset.integer(onnx_fields::kOpsetVersion, 13);
-  ProtobufWriter model;
-  model.message(onnx_fields::kGraph, graph);
-  model.message(onnx_fields::kOpsetImport, opset);
-  EXPECT_THAT(fault(model.text()), HasSubstr("more than 16384 nodes"));
+  EXPECT_THAT(fault(with_graph(repeated(onnx_fields::kNode, (1 << 14) + 1))),
+              HasSubstr("more than 16384 nodes"));
+  EXPECT_THAT(fault(with_graph(repeated(onnx_fields::kInput, (1 << 14) + 1))),
+              HasSubstr("more than 16384 inputs"));
+  EXPECT_THAT(fault(with_graph(repeated(onnx_fields::kInput, 65))), HasSubstr("more than 64 inputs"));
+  EXPECT_THAT(fault(with_graph(repeated(onnx_fields::kOutput, 65))), HasSubstr("more than 64 outputs"));
+  EXPECT_THAT(fault(with_node(repeated(onnx_fields::kNodeInput, 257))), HasSubstr("more than 256 inputs"));
+  EXPECT_THAT(fault(with_node(repeated(onnx_fields::kNodeOutput, 257))), HasSubstr("more than 256 outputs"));
+  EXPECT_THAT(fault(with_node(repeated(onnx_fields::kAttribute, 257))),
+              HasSubstr("more than 256 attributes"));
+  EXPECT_THAT(fault(with_input(around(onnx_fields::kTensorType,
+                                      around(onnx_fields::kShape, repeated(onnx_fields::kDimension, 9))))),
+              HasSubstr("more than 8 sizes"));
+
+  ProtobufWriter constants;
+  for (int i = 0; i < (1 << 14) + 1; ++i) {
+    ProtobufWriter tensor;
+    tensor.integer(onnx_fields::kDims, 0);
+    tensor.integer(onnx_fields::kDataType, 1);
+    tensor.bytes(onnx_fields::kTensorName, fmt::format("{}", i));
+    constants.message(onnx_fields::kInitializer, tensor);
+  }
+  EXPECT_THAT(fault(with_graph(constants)), HasSubstr("more than 16384 constants"));
+
+  ProtobufWriter foreign;
+  foreign.bytes(onnx_fields::kOpsetDomain, "com.example");
+  ProtobufWriter opsets;
+  ProtobufWriter metadata;
+  for (int i = 0; i < 257; ++i) {
+    opsets.message(onnx_fields::kOpsetImport, foreign);
+    ProtobufWriter entry;
+    entry.bytes(onnx_fields::kEntryKey, fmt::format("{}", i));
+    metadata.message(onnx_fields::kModelMetadata, entry);
+  }
+  EXPECT_THAT(fault(opsets.text()), HasSubstr("more than 256 sets of operators"));
+  EXPECT_THAT(fault(metadata.text()), HasSubstr("more than 256 entries of metadata"));
+}
+
+TEST(OnnxFile, NamesHaveABoundedLength) {
+  const auto named = [](std::size_t length) {
+    ProtobufWriter graph;
+    graph.bytes(onnx_fields::kGraphName, std::string(length, 'a'));
+    return with_graph(graph);
+  };
+  EXPECT_NO_THROW((void)parse_onnx(named(4096), "net.onnx"));
+  EXPECT_THAT(fault(named(4097)), HasSubstr("field 2 is a name that is too long"));
 }
 
 }  // namespace

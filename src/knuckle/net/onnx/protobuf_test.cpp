@@ -63,6 +63,8 @@ TEST(Protobuf, DamageIsSaid) {
   EXPECT_THAT(fault_of("\x0D\x01\x02"), HasSubstr("cut short"));
   EXPECT_THAT(fault_of("\x0B"), HasSubstr("unknown type 3"));
   EXPECT_THAT(fault_of(std::string("\x00\x00", 2)), HasSubstr("number 0"));
+  // A field of the number 2^29: more than the format has.
+  EXPECT_THAT(fault_of("\x80\x80\x80\x80\x10\x01"), HasSubstr("number 536870912"));
   EXPECT_THAT(fault_of(std::string("\x08").append(10, '\xFF').append("\x01")),
               HasSubstr("more than 64 bits"));
   // A length of 2^64 - 1: compared, not added to a place.
@@ -78,8 +80,12 @@ TEST(Protobuf, AFieldOfAnotherKindIsRefused) {
   const ProtobufField integer = *reader.next();
   const ProtobufField text = *reader.next();
   std::vector<float> reals;
-  EXPECT_THAT(error_of([&] { (void)reader.bytes_of(integer); }), HasSubstr("field 1"));
-  EXPECT_THAT(error_of([&] { (void)reader.integer_of(text); }), HasSubstr("field 2"));
+  EXPECT_THAT(error_of([&] { (void)reader.bytes_of(integer); }),
+              HasSubstr("field 1 is damaged, expected bytes"));
+  EXPECT_THAT(error_of([&] { (void)reader.integer_of(text); }),
+              HasSubstr("field 2 is damaged, expected a whole number"));
+  EXPECT_THAT(error_of([&] { (void)reader.real_of(integer); }),
+              HasSubstr("field 1 is damaged, expected a number"));
   EXPECT_THAT(error_of([&] { reader.add_reals(text, reals); }), HasSubstr("whole numbers of 4 bytes"));
   reader.require_once(integer);
   reader.require_once(text);

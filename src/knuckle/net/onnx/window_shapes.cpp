@@ -61,7 +61,6 @@ void check_bias(const NodeView& node, std::int64_t outputs) {
 const OnnxShape& weights_of(const NodeView& node) {
   (void)node.reals(1);
   const OnnxShape& weights = node.shape(1, 4);
-  if (count_of(weights) == 0) node.fault("it has no weights");
   const std::vector<std::int64_t> kernel = {weights[2], weights[3]};
   if (node.integers("kernel_shape", kernel, 1, kMostSteps) != kernel)
     node.fault("kernel_shape is not that of its weights");
