@@ -52,7 +52,7 @@ TEST(DetectorSamplesOfASource, WithoutTruthAreRefused) {
   writer.write(0, blank_frame(quarter_vga_camera()));
   writer.finish();
   EXPECT_THAT(
-      testing::error_of([&] { detector_samples("folder:" + (folder / "set").string(), {}, 0); }),
+      testing::error_of([&] { DetectorFrames("folder:" + (folder / "set").string(), {}, 0); }),
       ::testing::AllOf(::testing::HasSubstr("folder:"), ::testing::HasSubstr("no truth to train on")));
 }
 
