@@ -10,11 +10,18 @@
 //   open_error 13             opening it ends with this errno; 0: not
 //   start_error 16            so does starting it
 //   no_capture 1              it captures no images
+//   planes 1                  it captures them in several planes of memory
 //   formats Z16,YUYV          letters of what it offers, the first is set
 //   sizes 640x480,848x480     the same
 //   rates 30,60               the same
+//   fixed_rate 1              its rate cannot be chosen
 //   padding 6                 bytes after each row of 16-bit numbers
 //   images 1                  of 16-bit numbers in a frame
+//   row_bytes 3               what it says that a row has, whatever it has
+//   image_bytes 100           the same of a frame
+//   buffers 1                 how many buffers it gives
+//   buffer_bytes 100          how long it says that they are
+//   wrong_buffer 1            it gives one that there is not
 //   frames PATH               file of the frames, one after another, without padding
 //   interval_ms 20            from one frame to the next
 //   clock monotonic           whether its times are of that clock; else "unknown"
@@ -22,6 +29,7 @@
 //   damage 5                  numbers of frames that come damaged
 //   end unplug                after the last frame: "unplug", or "stall"
 //   back_after_ms 300         when it is there again after it was unplugged, with all frames; 0: never
+//   back_sizes 64x48          its sizes from then on
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -92,9 +100,9 @@ class Scenario {
     const std::vector<std::string> numbers = parts_of(text(key), ',');
     return std::ranges::find(numbers, std::to_string(number)) != numbers.end();
   }
-  std::vector<Size> sizes() const {
+  std::vector<Size> sizes(const std::string& key = "sizes") const {
     std::vector<Size> sizes;
-    for (const std::string& size : parts_of(text("sizes", "640x480"), ',')) {
+    for (const std::string& size : parts_of(text(key, "640x480"), ',')) {
       const std::size_t cross = size.find('x');
       sizes.push_back({static_cast<std::uint32_t>(std::stoi(size)),
                        static_cast<std::uint32_t>(std::stoi(size.substr(cross + 1)))});
@@ -145,11 +153,13 @@ class World {
       if (back_ms == 0 || Clock::now() < unplugged_ + std::chrono::milliseconds(back_ms))
         return failed(ENOENT);
       is_unplugged_ = false;
+      is_back_ = true;
     }
     const int descriptor = ::memfd_create("fake_v4l2", MFD_CLOEXEC);
     Device device;
     device.format = code_of(parts_of(scenario.text("formats", "Z16"), ',').front());
-    device.size = scenario.sizes().front();
+    const bool is_another = is_back_ && !scenario.text("back_sizes").empty();
+    device.size = scenario.sizes(is_another ? "back_sizes" : "sizes").front();
     device.rate = static_cast<std::uint32_t>(std::stoi(scenario.text("rates", "30")));
     devices_[descriptor] = device;
     return descriptor;
@@ -193,6 +203,7 @@ class World {
  private:
   std::map<int, Device> devices_;
   bool is_unplugged_ = false;
+  bool is_back_ = false;
   Clock::time_point unplugged_;
 };
 
@@ -224,8 +235,11 @@ void tell_format(const World& world, const Device& device, v4l2_format& format) 
   pixels.width = device.size.width;
   pixels.height = device.size.height;
   pixels.pixelformat = device.format;
-  pixels.bytesperline = static_cast<std::uint32_t>(world.row_bytes(device));
-  pixels.sizeimage = static_cast<std::uint32_t>(world.buffer_bytes(device));
+  const auto said = [&](const char* key, std::size_t bytes) {
+    return static_cast<std::uint32_t>(world.scenario.number(key, static_cast<int>(bytes)));
+  };
+  pixels.bytesperline = said("row_bytes", world.row_bytes(device));
+  pixels.sizeimage = said("image_bytes", world.buffer_bytes(device));
 }
 
 /// As drivers do it: what is not offered becomes something that is.
@@ -262,7 +276,8 @@ int give_frame(World& world, int descriptor, Device& device, v4l2_buffer& buffer
     pixels += row;
     place += world.row_bytes(device);
   }
-  buffer.index = index;
+  constexpr std::uint32_t kNoBuffer = 1000;
+  buffer.index = world.scenario.number("wrong_buffer") ? kNoBuffer : index;
   buffer.bytesused = static_cast<std::uint32_t>(world.buffer_bytes(device));
   buffer.sequence = static_cast<std::uint32_t>(device.next_frame);
   buffer.flags =
@@ -285,6 +300,8 @@ int answer(World& world, int descriptor, Device& device, unsigned long request, 
       capability.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_DEVICE_CAPS;
       capability.device_caps =
           V4L2_CAP_STREAMING | (world.scenario.number("no_capture") ? 0 : V4L2_CAP_VIDEO_CAPTURE);
+      if (world.scenario.number("planes"))
+        capability.device_caps = V4L2_CAP_STREAMING | V4L2_CAP_VIDEO_CAPTURE_MPLANE;
       return 0;
     }
     case VIDIOC_ENUM_FMT:
@@ -304,18 +321,22 @@ int answer(World& world, int descriptor, Device& device, unsigned long request, 
       [[fallthrough]];
     case VIDIOC_G_PARM: {
       v4l2_captureparm& capture = static_cast<v4l2_streamparm*>(argument)->parm.capture;
-      capture.capability = V4L2_CAP_TIMEPERFRAME;
+      capture.capability = world.scenario.number("fixed_rate") ? 0 : V4L2_CAP_TIMEPERFRAME;
       capture.timeperframe = {1, device.rate};
       return 0;
     }
     case VIDIOC_REQBUFS: {
       if (const int error = world.scenario.number("start_error")) return World::failed(error);
-      device.buffers = static_cast<v4l2_requestbuffers*>(argument)->count;
+      auto& wanted = *static_cast<v4l2_requestbuffers*>(argument);
+      wanted.count =
+          static_cast<std::uint32_t>(world.scenario.number("buffers", static_cast<int>(wanted.count)));
+      device.buffers = wanted.count;
       return ::ftruncate(descriptor, static_cast<off_t>(world.buffer_offset(device, device.buffers)));
     }
     case VIDIOC_QUERYBUF: {
       auto& buffer = *static_cast<v4l2_buffer*>(argument);
-      buffer.length = static_cast<std::uint32_t>(world.buffer_bytes(device));
+      buffer.length = static_cast<std::uint32_t>(
+          world.scenario.number("buffer_bytes", static_cast<int>(world.buffer_bytes(device))));
       buffer.m.offset = static_cast<std::uint32_t>(world.buffer_offset(device, buffer.index));
       return 0;
     }

@@ -125,6 +125,8 @@ TEST_F(FreenectTest, IsListedAndChecked) {
 TEST_F(FreenectTest, FaultsAreOneLine) {
   EXPECT_THAT(run_program({"record", "--source", "freenect:7", "--out", path("x.h5")}),
               FailedWith("freenect:7: "));
+  EXPECT_THAT(run({"record", "--source", "freenect:7", "--out", path("x.h5")}),
+              FailedWith("freenect:7: there is no such Kinect, 1 are connected"));
   EXPECT_THAT(run_program({"record", "--source", "freenect:first", "--out", path("x.h5")}),
               FailedWith("first"));
   EXPECT_THAT(run_program({"record", "--source", "freenect:0?depth=inch", "--out", path("x.h5")}),

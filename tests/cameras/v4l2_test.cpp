@@ -176,6 +176,19 @@ TEST_F(V4l2Test, ACameraThatDoesNotComeBackIsLost) {
   EXPECT_EQ(take()->size(), 2);
 }
 
+TEST_F(V4l2Test, ACameraThatComesBackWithOtherImagesIsLost) {
+  settings_["sizes"] = fmt::format("{}x{}", camera_.width, camera_.height);
+  settings_["end"] = "unplug";
+  settings_["back_after_ms"] = "50";
+  settings_["back_sizes"] = "64x48";
+  send(2);
+  EXPECT_THAT(run({"record", "--source", fmt::format("v4l2:{}?fov_deg=70&wait_s=20", kPath), "--out",
+                   path("take.h5"), "--frames", "5"}),
+              FailedWith(fmt::format("v4l2:/dev/video42: came back with images of 64x48, had {}x{}",
+                                     camera_.width, camera_.height)));
+  EXPECT_EQ(take()->size(), 2);
+}
+
 TEST_F(V4l2Test, ACameraThatStopsSendingIsLost) {
   send(2);
   EXPECT_THAT(record(0, "&timeout_s=0.3"), FailedWith("has sent no whole frame for 0.3 s"));
@@ -218,6 +231,8 @@ TEST_F(V4l2Test, WhatCannotBeOpenedSaysWhatToDo) {
   settings_["no_capture"] = "1";
   settings_["start_error"] = "0";
   EXPECT_THAT(fail_to_record(camera()), FailedWith("does not capture images"));
+  settings_["planes"] = "1";
+  EXPECT_THAT(fail_to_record(camera()), FailedWith("captures images in several planes of memory"));
   EXPECT_FALSE(std::filesystem::exists(path("none.h5")));
 }
 
@@ -229,6 +244,10 @@ TEST_F(V4l2Test, WhatItDoesNotOfferIsSaidWithWhatItDoes) {
               FailedWith("does not offer the format inzi; it offers Z16"));
   EXPECT_THAT(fail_to_record(camera("&format=rgb")), FailedWith("known are auto, z16, inzi, y16"));
   EXPECT_THAT(fail_to_record(camera("&width=500")), FailedWith("width and height belong together"));
+  EXPECT_THAT(fail_to_record(camera("&width=848&height=480")),
+              FailedWith("848x480 is asked for, but the camera of"));
+  settings_["fixed_rate"] = "1";
+  EXPECT_THAT(fail_to_record(camera("&rate=30")), FailedWith("does not let its rate be chosen"));
   settings_["formats"] = "YUYV,MJPG";
   EXPECT_THAT(fail_to_record(camera()),
               FailedWith("does not offer depth (Z16 or INZI); it offers YUYV, MJPG"));
@@ -236,6 +255,23 @@ TEST_F(V4l2Test, WhatItDoesNotOfferIsSaidWithWhatItDoes) {
   EXPECT_THAT(fail_to_record(camera()), FailedWith("say ?format=y16 where it is depth"));
   ASSERT_THAT(record(1, "&format=y16"), Succeeded());
   EXPECT_EQ(take()->read(0).depth_mm, depth_from_counts(counts(0), 1.0));
+}
+
+TEST_F(V4l2Test, ADeviceWhoseNumbersCannotBeIsRefused) {
+  send(1);
+  const auto fault_with = [&](const std::string& key, const std::string& value) {
+    settings_[key] = value;
+    ProgramRun run = fail_to_record(camera());
+    settings_.erase(key);
+    return run;
+  };
+  EXPECT_THAT(fault_with("row_bytes", "3"), FailedWith("(3 per row), which cannot be"));
+  EXPECT_THAT(fault_with("row_bytes", "1000000"), FailedWith("(1000000 per row), which cannot be"));
+  EXPECT_THAT(fault_with("image_bytes", "100"), FailedWith(" in 100 bytes"));
+  EXPECT_THAT(fault_with("buffers", "1"), FailedWith("gives 1 buffers, expected 2 to 64"));
+  EXPECT_THAT(fault_with("buffers", "65"), FailedWith("gives 65 buffers, expected 2 to 64"));
+  EXPECT_THAT(fault_with("buffer_bytes", "100"), FailedWith("gives buffers of 100 bytes for frames of"));
+  EXPECT_THAT(fault_with("wrong_buffer", "1"), FailedWith("gives a buffer that there is not"));
 }
 
 TEST_F(V4l2Test, IntrinsicsHaveToBeKnown) {

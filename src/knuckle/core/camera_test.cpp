@@ -45,6 +45,7 @@ TEST(CameraTest, ImpossibleValuesAreNamed) {
   EXPECT_NO_THROW(check(largest));
   EXPECT_THAT(fault([](Camera& c) { c.fx = 0.0; }), HasSubstr("fx is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.fy = kNaN; }), HasSubstr("fy is nan"));
+  EXPECT_THAT(fault([](Camera& c) { c.fy = 0.0; }), HasSubstr("fy is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.fx = INFINITY; }), HasSubstr("fx is inf"));
   EXPECT_THAT(fault([](Camera& c) { c.cx = kNaN; }), HasSubstr("cx is nan"));
   EXPECT_THAT(fault([](Camera& c) { c.cy = -INFINITY; }), HasSubstr("cy is -inf"));

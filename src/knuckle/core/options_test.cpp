@@ -84,6 +84,8 @@ TEST(OptionsTest, AWrongTypeIsNamedWithItsLine) {
   EXPECT_THAT(fault("title = 1"), HasSubstr("title: expected a text"));
   EXPECT_THAT(fault("range_mm = 1"), HasSubstr("range_mm: expected a list"));
   EXPECT_THAT(fault("range_mm = ['a', 'b']"), HasSubstr("range_mm: expected a number"));
+  EXPECT_THAT(fault("sides = ['left', 1]"),
+              HasSubstr("sides: expected a list of texts, found a whole number"));
 }
 
 TEST(OptionsTest, AValueOutOfRangeIsNamedWithItsBounds) {
@@ -97,6 +99,26 @@ TEST(OptionsTest, AValueOutOfRangeIsNamedWithItsBounds) {
   EXPECT_THAT(fault("range_mm = [1, 2, 3]"), HasSubstr("holds 3 numbers, expected 2"));
   EXPECT_THAT(fault("range_mm = [1, -1]"), HasSubstr("is -1"));
   EXPECT_THAT(fault("sides = ['up']"), HasSubstr("is \"up\""));
+}
+
+TEST(OptionsTest, AWholeNumberThatTheProgramCannotHoldIsOutOfRange) {
+  struct AnyNumber {
+    int number = 0;
+    void visit(OptionVisitor& visitor) { visitor.integer("number", number, at_least(-1e15)); }
+  };
+  const auto fault_of_number = [](const std::string& toml) {
+    AnyNumber options;
+    return error_of([&] { OptionTable::parse(toml, "f").read(options); });
+  };
+  EXPECT_THAT(fault_of_number("number = 2147483648"),
+              StartsWith("f:1: number: is 2147483648, which is out of range"));
+  EXPECT_THAT(fault_of_number("number = -2147483649"), HasSubstr("is -2147483649, which is out of range"));
+}
+
+TEST(OptionsTest, AListOfTablesIsNoSingleTable) {
+  const OptionTable root = OptionTable::parse("[a]\nx = 1\n", "f");
+  EXPECT_THAT(error_of([&] { root.tables("a"); }),
+              StartsWith("f:1: a: expected an array of tables, found a table"));
 }
 
 TEST(OptionsTest, BrokenTomlIsNamedWithItsLine) {

@@ -75,6 +75,9 @@ TEST_F(OwnConvention, ATextThatSaysNoneIsRefused) {
   EXPECT_THAT(fault("own_wrong: wrist, wrist"), HasSubstr("has the landmark 'wrist' twice"));
   EXPECT_THAT(fault("icg20: wrist"), HasSubstr("every data set knows"));
   EXPECT_THAT(fault("No name: wrist"), HasSubstr("cannot name a convention"));
+  EXPECT_THAT(fault(": wrist"), HasSubstr("'' cannot name a convention"));
+  EXPECT_THAT(fault("1st: wrist"), HasSubstr("'1st' cannot name a convention"));
+  EXPECT_THAT(fault(std::string(65, 'a') + ": wrist"), HasSubstr("at most 64"));
   std::string long_text = "own_long: l0~palm";
   for (int i = 1; i <= 1024; ++i) long_text += fmt::format(", l{}~palm", i);
   EXPECT_THAT(fault(long_text), HasSubstr("expected at most 1024"));
@@ -107,7 +110,8 @@ TEST_F(OwnConvention, FaultsNameFileAndLine) {
            {head + "landmarks = [\"palm\", \"palm\"]\n", "has the landmark 'palm' twice"},
            {head + "landmarks = [\"mine\"]\n",
             "lab.toml:2: landmarks: names 'mine', which is no landmark of ours"},
-           {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"elbow\"\n", "bone"},
+           {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"elbow\"\n",
+            "lab.toml:4: mine.bone: is none of the 22"},
            {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"nyu_wrist_1\"\n", "is none of the 22"},
            {head + "landmarks = [\"Mine\"]\n[Mine]\nbone = \"palm\"\n", "'Mine' cannot name a landmark"},
            {"convention = \"icvl16\"\nlandmarks = [\"palm\"]\n", "'icvl16' is one that every data set knows"},
@@ -115,6 +119,8 @@ TEST_F(OwnConvention, FaultsNameFileAndLine) {
            {"convention = \"lab.toml\"\n", "unknown convention 'lab.toml'"}}) {
     EXPECT_THAT(fault_of(text), HasSubstr(fault)) << text;
   }
+  const std::string once = fault_of(head + "landmarks = [\"mine\"]\n[mine]\nbone = \"elbow\"\n");
+  EXPECT_EQ(once.find("lab.toml"), once.rfind("lab.toml")) << once;
   EXPECT_THAT(error_of([&] { convention_from_option("/nowhere/lab.toml"); }), HasSubstr("/nowhere/lab.toml"));
 }
 
@@ -132,6 +138,11 @@ TEST_F(OwnConvention, ANameKeepsItsMeaning) {
   names += "]\n";
   for (int i = 0; i < 1025; ++i) names += "[many_" + std::to_string(i) + "]\nbone = \"palm\"\n";
   EXPECT_THAT(fault_of("convention = \"own_many\"\n" + names), HasSubstr("expected at most 1024"));
+}
+
+TEST_F(OwnConvention, OneThatNobodyHasToldIsUnknown) {
+  EXPECT_THAT(error_of([] { registered_convention("own_untold"); }),
+              HasSubstr("unknown convention 'own_untold'"));
 }
 
 TEST_F(OwnConvention, ManyThreadsMayNameLandmarks) {

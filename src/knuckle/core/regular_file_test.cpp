@@ -57,6 +57,12 @@ TEST(RegularFile, WhatIsNoneIsNamedAtOnce) {
   ::close(socket);
 }
 
+TEST(RegularFile, OneThatCannotBeReadIsNamed) {
+  // A process has nothing at the address 0, where this file begins.
+  EXPECT_THAT(error_of([] { read_regular_file("/proc/self/mem", 10); }),
+              HasSubstr("/proc/self/mem: cannot read: "));
+}
+
 TEST(TextFile, WithALineTooLongIsRefused) {
   const TemporaryFolder folder;
   std::ofstream(folder / "a") << "one\n"

@@ -61,6 +61,11 @@ TEST_F(SlurmTask, IsTheShardOfAnArray) {
 
 TEST_F(SlurmTask, OutsideOfAnArrayItSaysSo) {
   EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("no task of a Slurm job array"));
+  set({{"COUNT", "8"}});
+  EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("no task of a Slurm job array"));
+  ::unsetenv(variable("COUNT").c_str());
+  set({{"ID", "3"}});
+  EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("no task of a Slurm job array"));
   set({{"ID", "8"}, {"COUNT", "8"}});
   EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("task 8 is none of 8 tasks"));
   set({{"ID", "11"}, {"COUNT", "8"}, {"MIN", "10"}, {"STEP", "2"}});

@@ -38,6 +38,10 @@ TEST(OwnProgramChild, DISABLED_IsKilled) {
   std::raise(SIGKILL);
 }
 
+TEST(OwnProgramChild, DISABLED_IsNotStarted) {
+  std::_Exit(127);  // as where the system refuses to start it
+}
+
 TEST(OwnProgramTest, PassesOnWhatTheChildSays) {
   ::testing::internal::CaptureStderr();
   run_own_program(child("Succeeds"));
@@ -54,6 +58,7 @@ TEST(OwnProgramTest, ThrowsTheLastLineOfAChildThatFails) {
 TEST(OwnProgramTest, SaysHowAChildEndedThatSaidNothing) {
   EXPECT_THAT(error_of([] { run_own_program(child("FailsSilently")); }), HasSubstr("failed without a word"));
   EXPECT_THAT(error_of([] { run_own_program(child("IsKilled")); }), HasSubstr("was ended by signal 9"));
+  EXPECT_THAT(error_of([] { run_own_program(child("IsNotStarted")); }), HasSubstr("could not be started"));
 }
 
 TEST(OwnProgramTest, LeavesNoZombie) {

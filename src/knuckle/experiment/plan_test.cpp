@@ -54,6 +54,10 @@ TEST_F(PlanTest, NamesTheFault) {
   faults(std::string(kSequence) + "[[model]]\nfile = \"a/m.model\"\nkind = \"network\"\nconfig = \"c\"\n",
          "\"a/m.model\" is not a name for a file");
   faults("[[sequence]]\nname = \"..\"\nsource = \"folder:set\"\n", "\"..\" is not a name for a file");
+  for (const std::string name : {"", ".hidden", "a b", "a/../b"}) {
+    faults("[[sequence]]\nname = \"" + name + "\"\nsource = \"folder:set\"\n",
+           "\"" + name + "\" is not a name for a file");
+  }
   faults("[[sequence]]\nname = \"models\"\nsource = \"folder:set\"\n", "a folder of the experiment itself");
   faults("convention = \"abc\"\n" + std::string(kSequence), "convention");
   faults("claims = \"all\"\n" + std::string(kSequence), "scia15");

@@ -52,6 +52,11 @@ TEST_F(ScaledSourceTest, ATestSequenceIsSeenFromEndToEnd) {
       << "no more than there are";
 }
 
+TEST_F(ScaledSourceTest, WhereNoFrameIsLeftThereIsNothingToScale) {
+  EXPECT_THAT(error_of([&] { scaled_test_source(source_ + "?first=400", 0.5); }),
+              ::testing::HasSubstr("?first=400: of 400 frames none is left"));
+}
+
 TEST_F(ScaledSourceTest, TrainingTakesTheFirstFrames) {
   EXPECT_EQ(scaled_training_source(source_, 1.0), source_);
   EXPECT_EQ(scaled_training_source(source_, 0.1), source_ + "?count=40");

@@ -40,6 +40,12 @@ TEST(TrainingRecordTest, NamesADamagedFile) {
   write_trained_record(folder / "a.pt", 1.0);
   write_text_file(folder / "a.pt.metrics.csv", "step,samples\n1\n");
   EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }), HasSubstr("a.pt.metrics.csv:2"));
+  write_text_file(folder / "a.pt.metrics.csv", "step,samples\n1,2\n3,4,5\n");
+  EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
+              HasSubstr("a.pt.metrics.csv:3: 3 columns, expected 2"));
+  write_text_file(folder / "a.pt.metrics.csv", "");
+  EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
+              HasSubstr("a.pt.metrics.csv: expected metrics, found nothing"));
   write_text_file(folder / "a.pt.metrics.csv", "step,samples\n1,2\n");
   EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
               HasSubstr("no column samples_per_second"));

@@ -18,6 +18,7 @@ TEST(FrameCache, KeepsTheLastFramesAndNoMore) {
   EXPECT_NE(cache.read(0), first) << "it was read longest ago";
   EXPECT_EQ(first->name, "000000") << "whoever has it keeps it";
   EXPECT_THAT(testing::error_of([&] { cache.read(3); }), ::testing::HasSubstr("there is no frame 3"));
+  EXPECT_THAT(testing::error_of([&] { cache.read(-1); }), ::testing::HasSubstr("there is no frame -1"));
 }
 
 }  // namespace

@@ -77,7 +77,30 @@ TEST(LabelBook, ARevisionThatIsNotTheNextIsRefused) {
                 HasSubstr("x:9: revision"));
   EXPECT_THAT(testing::error_of([&] { book.add(change_at({1}, 2, LabelAct::redo, 6), "x:9"); }),
               HasSubstr("x:9: 'redo'"));
+  // The left hand of the frame was not changed last.
+  book.add(change_at({1, HandSide::left}, 1, LabelAct::estimate, 5));
+  EXPECT_THAT(testing::error_of([&] {
+                book.add(change_at({1, HandSide::left}, 2, LabelAct::undo, 6), "x:9");
+              }),
+              HasSubstr("x:9: 'undo' of something that was not done last"));
   EXPECT_EQ(book.find({1})->revision(), 1);
+}
+
+TEST(LabelBook, AChangeHasTheLandmarksOfTheLabels) {
+  LabelBook book(testing::closing_hand_head(4));
+  LabelChange change = change_at({1}, 1, LabelAct::correct, 5);
+  change.landmarks.pop_back();
+  EXPECT_THAT(testing::error_of([&] { book.add(change, "x:9"); }),
+              HasSubstr("x:9: 21 landmarks, expected 22"));
+  EXPECT_EQ(book.find({1}), nullptr);
+}
+
+TEST(LabelBook, AnotherHeadIsOfTheSameConvention) {
+  LabelBook book(testing::closing_hand_head(4));
+  LabelHead other = testing::closing_hand_head(4);
+  other.convention = convention_from_name("icg20");
+  EXPECT_THAT(testing::error_of([&] { book.take_head(other, "x:9"); }),
+              HasSubstr("x:9: another number of frames or convention"));
 }
 
 TEST(LabelBook, EachLandmarkSaysSinceWhenItIsAsItIs) {

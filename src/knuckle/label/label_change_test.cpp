@@ -84,6 +84,14 @@ TEST(LabelChange, NonsenseIsRefusedByLineAndKey) {
   const std::size_t last = line.rfind("null,\"", end) + 4;
   EXPECT_THAT(refusal(with(line, line.substr(last, end - last), "")),
               HasSubstr("landmarks: has 21 landmarks, expected 22"));
+  EXPECT_THAT(refusal(with(line, "12.3456,", "")), HasSubstr("landmarks.palm: expected null or"));
+  EXPECT_THAT(refusal(with(line, "12.3456", "true")), HasSubstr("landmarks.palm: expected a number"));
+  EXPECT_THAT(refusal(with(line, "4.2", "-1")), HasSubstr("seconds: is -1"));
+  EXPECT_THAT(refusal(with(line, "2026-11-23", std::string(300, '2'))),
+              HasSubstr("bytes, expected 256 at most"));
+  const std::size_t begin = line.find("\"landmarks\":{") + 12;
+  EXPECT_THAT(refusal(with(line, line.substr(begin, line.find('}', begin) + 1 - begin), "[]")),
+              HasSubstr("landmarks: expected an object"));
   EXPECT_THAT(refusal(with(line, ",\"act\":\"correct\"", "")), HasSubstr("lacks the key 'act'"));
   EXPECT_THAT(refusal(with(line, "\"seconds\"", "\"secs\"")), HasSubstr("unknown key 'secs'"));
   EXPECT_THAT(refusal(with(line, "\"revision\":7", "\"revision\":0")), HasSubstr("revision: is 0"));
@@ -100,6 +108,12 @@ TEST(LabelChange, AHeadOfAnotherVersionOrOtherLandmarksIsRefused) {
   EXPECT_THAT(refused(with(line, "\"knuckle22\"", "\"mine\"")), HasSubstr("convention"));
   EXPECT_THAT(refused(with(line, "\"frames\":5", "\"frames\":0")), HasSubstr("frames: is 0"));
   EXPECT_THAT(refused(with(line, "\"width\":160", "\"width\":99999999")), HasSubstr("width"));
+  EXPECT_THAT(refused(with(line, "\"distortion\":[", "\"distortion\":[0,")),
+              HasSubstr("distortion: expected a list of 8 numbers"));
+  const std::size_t begin = line.find("\"landmarks\":[") + 12;
+  const std::string landmarks = line.substr(begin, line.find(']', begin) + 1 - begin);
+  EXPECT_THAT(refused(with(line, landmarks, "7")), HasSubstr("landmarks: expected a list of landmarks"));
+  EXPECT_THAT(refused(with(line, landmarks, "[7]")), HasSubstr("landmarks: expected a text"));
 }
 
 TEST(LabelChange, NamesOfAuthorsStayWithinTheFolder) {

@@ -150,6 +150,14 @@ TEST_F(LabelJournalTest, AuthorsHaveFilesOfTheirOwn) {
   { const LabelJournal one(label_file(folder_.path(), "bea"), head_); }
   { const LabelJournal two(label_file(folder_.path(), ""), head_); }
   EXPECT_EQ(label_files(folder_.path()).size(), 2U);
+  EXPECT_THAT(testing::error_of([&] { (void)label_files(folder_ / "none"); }),
+              HasSubstr("none: cannot be read: No such file"));
+}
+
+TEST_F(LabelJournalTest, AFileWithoutAWholeLineHoldsNoLabels) {
+  std::ofstream(path_) << to_json_line(head_);  // its end is missing
+  EXPECT_THAT(testing::error_of([&] { (void)read_label_file(path_); }),
+              HasSubstr("labels.jsonl: holds no labels: it has not one whole line"));
 }
 
 }  // namespace

@@ -54,6 +54,15 @@ Point3 on_parabola(double time) {
   return Point3(-40.0, 20.0, 500.0) + time * Point3(4.0, -3.0, 2.0) + time * time * Point3(-0.2, 0.1, 0.3);
 }
 
+TEST(LabelSmoothing, ReachesOverOneFrameAtLeastAndNotTooMany) {
+  const TimedFrames source(3);
+  const LabelBook book(head_of(3));
+  for (const int reach : {0, -1, 101}) {
+    EXPECT_THAT(error_of([&] { smoothed_labels(source, book, LabelState::verified, reach); }),
+                HasSubstr(fmt::format("{} were asked for", reach)));
+  }
+}
+
 /// Labels of the first landmark at `place`, of the second 30 mm beside it; the rest is not labelled.
 LabelChange labels_at(HandKey hand, const Point3& place, LabelState state = LabelState::verified) {
   LabelChange change{.frame = hand.frame, .side = hand.side, .act = LabelAct::verify};

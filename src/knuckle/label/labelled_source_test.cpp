@@ -117,6 +117,11 @@ TEST_F(LabelledSourceTest, AMaskOfAnotherSizeIsRefused) {
   change.mask = mask_of_column(3, 50);
   book_.add(change);
   EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {}).read(0); }), HasSubstr("50x120"));
+  change.revision += 1;
+  change.mask =
+      std::make_shared<const LabelMask>(mask_from_pixels_of_hand(Image<std::uint8_t>(kLabelCamera.width, 7)));
+  book_.add(change);
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {}).read(0); }), HasSubstr("160x7"));
 }
 
 TEST_F(LabelledSourceTest, TheSecondHandOfAFrameIsTheLessSureOne) {
@@ -137,6 +142,12 @@ TEST_F(LabelledSourceTest, LabelsOfAnotherSourceAreRefused) {
   const ClosingHand shorter(3);
   EXPECT_THAT(testing::error_of([&] { LabelledSource(shorter, book_, {}); }),
               HasSubstr("4 frames, the source has 3"));
+}
+
+TEST_F(LabelledSourceTest, LandmarksOfWhichTheLabelsSayNothingAreRefused) {
+  const Convention& elsewhere = register_convention("label_elsewhere", {Landmark::nyu_wrist_1});
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {.convention = elsewhere}); }),
+              HasSubstr("labels in knuckle22 say nothing of the landmarks of label_elsewhere"));
 }
 
 TEST(LabelAgreement, DistancesAreThoseInSpace) {

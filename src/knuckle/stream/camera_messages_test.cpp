@@ -45,13 +45,19 @@ TEST(CameraMessages, WhatCannotBeIsRefused) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(with([](auto& d) { d.width = 0; }), HasSubstr("a.oni: cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.width = 16385; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.height = 0; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.height = 16385; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.width = d.height = 16384; }), HasSubstr("cannot be depth"))
       << "more than a message holds";
   EXPECT_THAT(with([](auto& d) { d.unit_mm = 0.0; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.unit_mm = 1001.0; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.rate_hz = -1.0; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.rate_hz = kNan; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.unit_mm = kNan; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.horizontal_fov_rad = 4.0; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.vertical_fov_rad = kNan; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.frames = -2; }), HasSubstr("cannot be depth"));
+  EXPECT_THAT(with([](auto& d) { d.frames = std::int64_t{1} << 62; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.depth = static_cast<PipedDepth>(3); }), HasSubstr("cannot be depth"));
   EXPECT_THAT(with([](auto& d) { d.is_mirrored = 2; }), HasSubstr("cannot be depth"));
   EXPECT_THAT(error_of([] { parse_description(bytes_of(small()).first(20), "a.oni"); }),

@@ -103,6 +103,24 @@ TEST_F(CameraProcessTest, OneThatDiesIsOneLine) {
               HasSubstr("ended too early (status 0)"));
 }
 
+TEST_F(CameraProcessTest, OneThatHasEndedIsNotWaitedForAgain) {
+  CameraProcess process = start("exit 3");
+  const auto wait = [&] { process.wait_for_message(std::chrono::seconds(5)); };
+  EXPECT_THAT(error_of(wait), HasSubstr("ended too early"));
+  EXPECT_THAT(error_of(wait), HasSubstr("a.oni: the process that reads it has ended"));
+}
+
+TEST_F(CameraProcessTest, OursRefusesArgumentsThatItDoesNotKnow) {
+  using Arguments = std::vector<std::string>;
+  for (const Arguments& arguments : {Arguments{}, Arguments{"dance"}, Arguments{"list"},
+                                     Arguments{"freenect", "0"}, Arguments{"oni", "a.oni", "b.oni"}}) {
+    CameraProcess process(camera_program(), arguments, "x");
+    const ReceivedMessage message = process.wait_for_message(std::chrono::seconds(20));
+    EXPECT_EQ(message.kind, CameraMessage::fault);
+    EXPECT_THAT(parse_text(message.bytes), HasSubstr("arguments that it does not know"));
+  }
+}
+
 TEST_F(CameraProcessTest, OneThatHangsIsOneLineAndIsEnded) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_THAT(fault_of("exec sleep 60"), HasSubstr("a.oni: gave no answer for 0.3 s"));
@@ -168,6 +186,19 @@ TEST_F(CameraProcessTest, AStreamWhoseProcessEndsIsLost) {
       stream("cat $0.said; exec sleep 60", description_message(camera_of_4x3()) +
                                                message(CameraMessage::fault, "the Kinect was unplugged"));
   EXPECT_THAT(error_of([&] { unplugged.next(); }), HasSubstr("freenect:0: the Kinect was unplugged"));
+  ProcessStream talking = stream("cat $0.said; exec sleep 60",
+                                 description_message(camera_of_4x3()) + message(CameraMessage::listing, "0"));
+  EXPECT_THAT(error_of([&] { talking.next(); }),
+              HasSubstr("freenect:0: the process that reads it sent no frame"));
+}
+
+TEST_F(CameraProcessTest, AStreamBeginsWithItsDescription) {
+  EXPECT_THAT(error_of([&] { stream("cat $0.said; exec sleep 60", frame_message(0, 500)); }),
+              HasSubstr("freenect:0: the process that reads it did not say what it is"));
+  EXPECT_THAT(error_of([&] {
+                stream("cat $0.said; exec sleep 60", message(CameraMessage::fault, "no such Kinect"));
+              }),
+              HasSubstr("freenect:0: no such Kinect"));
 }
 
 /// What a recording of this many frames sends.
@@ -252,6 +283,8 @@ TEST_F(OniSourceTest, ARecordingThatLiesIsRefused) {
   EXPECT_THAT(error_of([&] { open(head + frame_message(6, 0)).read(0); }), HasSubstr("frame 6 comes after"));
   EXPECT_THAT(error_of([&] { open(head + message(CameraMessage::fault, "nonsense")).read(0); }),
               HasSubstr("a.oni: nonsense"));
+  EXPECT_THAT(error_of([&] { open(message(CameraMessage::fault, "is it whole?")); }),
+              HasSubstr("a.oni: is it whole?"));
   EXPECT_THAT(error_of([&] { open(head + message(CameraMessage::end, "")).read(0); }),
               HasSubstr("ends before its frame 0"));
   EXPECT_THAT(error_of([&] { open(frame_message(0, 0)); }), HasSubstr("did not say what it is"));

@@ -75,6 +75,7 @@ TEST(OneEuroFilter, RefusesWhatIsNotFiniteAndTimeThatStandsStill) {
   EXPECT_THAT(error_of([&] { filter.smooth(one(std::nan("")), kStep); }), HasSubstr("not finite"));
   EXPECT_THAT(error_of([&] { filter.smooth(one(1), 0.0); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([&] { filter.smooth(one(1), std::nan("")); }), HasSubstr("above 0"));
+  EXPECT_THAT(error_of([&] { filter.smooth(one(1), INFINITY); }), HasSubstr("a step of inf"));
   EXPECT_THAT(error_of([&] { filter.smooth(Eigen::VectorXd::Zero(2), kStep); }), HasSubstr("2 values"));
   EXPECT_THAT(error_of([] { OneEuroFilter({.rest_cutoff_hz = 0.0}); }), HasSubstr("rest_cutoff_hz"));
 }

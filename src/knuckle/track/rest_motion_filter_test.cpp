@@ -126,7 +126,10 @@ TEST(RestMotionFilter, RefusesWhatIsNotFiniteAndTimeThatStandsStill) {
   EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(kValues), 0.0); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(kValues), std::nan("")); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(2), kSecondsPerFrame); }), HasSubstr("2 values"));
+  EXPECT_THAT(error_of([&] { filter.smooth(VectorXd::Zero(kValues), INFINITY); }),
+              HasSubstr("a step of inf"));
   EXPECT_THAT(error_of([] { RestMotionFilter({}, noise_of(0.0)); }), HasSubstr("above 0"));
+  EXPECT_THAT(error_of([] { RestMotionFilter({}, noise_of(INFINITY)); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([] { RestMotionFilter({.drift = 0.0}, noise_of(1.0)); }), HasSubstr("drift"));
 }
 

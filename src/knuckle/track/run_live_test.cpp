@@ -160,6 +160,8 @@ TEST(RunLive, EndsAtItsLimits) {
               HasSubstr("frames is -1"));
   EXPECT_THAT(error_of([&] { run_live(many, pipeline_with(), {.most_seconds = kNaN}, {}); }),
               HasSubstr("seconds is nan"));
+  EXPECT_THAT(error_of([&] { run_live(many, pipeline_with(), {.most_seconds = INFINITY}, {}); }),
+              HasSubstr("seconds is inf"));
 }
 
 TEST(RunLive, WhatIsThrownEndsIt) {

@@ -132,9 +132,9 @@ TEST_F(LabelServerTest, WhatIsMalformedTooLargeOrForeignIsRefused) {
   refused(verify(-1, 1), 400);
   refused(R"({"act":"place","frame":0,"side":"right","revision":0,"landmark":"nose","pixel":[1,1]})", 400);
   refused(std::string(8300, ' '), 413);
-  for (const char* const target :
-       {"/api/frame", "/api/frame?index=3", "/api/frame?index=-1", "/api/frame?index=1x",
-        "/api/frame?index=99999999999999999999", "/api/next?after=3", "/api/thumbnail?index="})
+  for (const char* const target : {"/api/frame", "/api/frame?index=3", "/api/frame?index=-1",
+                                   "/api/frame?index=1x", "/api/frame?index=99999999999999999999",
+                                   "/api/next?after=3", "/api/next?after=-1", "/api/thumbnail?index="})
     EXPECT_EQ(get(target).status, 400) << target;
   EXPECT_EQ(get("/api/nothing").status, 404);
   EXPECT_EQ(get("/api/labels").status, 405);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <thread>
@@ -487,6 +488,9 @@ TEST_F(LiveServerTest, ChecksItsOptions) {
               HasSubstr("203.0.113.77 cannot be served"));
   EXPECT_THAT(error_with([](auto& o) { o.most_connections = 0; }), HasSubstr("0 connections"));
   EXPECT_THAT(error_with([](auto& o) { o.request_s = 0.0; }), HasSubstr("limit of 0 s"));
+  EXPECT_THAT(error_with([](auto& o) { o.most_connections = 4097; }), HasSubstr("4097 connections"));
+  EXPECT_THAT(error_with([](auto& o) { o.request_s = std::nan(""); }), HasSubstr("limit of nan s"));
+  EXPECT_THAT(error_with([](auto& o) { o.write_s = 3601.0; }), HasSubstr("limit of 3601 s"));
 }
 
 TEST_F(LiveServerTest, RecordingIsBegunAndEnded) {

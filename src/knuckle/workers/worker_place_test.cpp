@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/workers/local_workers.h"
 
 namespace knuckle {
 namespace {
@@ -67,6 +68,49 @@ TEST_F(WorkerPlaceTest, IsTakenFromTheVariablesOfPyTorchFirst) {
   EXPECT_EQ(worker_place(2).port, 7000);
   set("RANK", "one");
   EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("RANK"));
+}
+
+TEST_F(WorkerPlaceTest, OfOneThatWasStartedIsWithAllOthers) {
+  set(kRankVariable, "1");
+  EXPECT_THAT(error_of([] { worker_place(2); }),
+              HasSubstr("KNUCKLE_WORKER is set, and KNUCKLE_WORKERS_FOLDER is not"));
+  set(kFolderVariable, "/meeting");
+  EXPECT_EQ(worker_place(2).folder, "/meeting");
+  set(kRankVariable, "2");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("this is worker 2 of 2"));
+  set(kRankVariable, "-1");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("KNUCKLE_WORKER is -1, expected a number from 0"));
+}
+
+TEST_F(WorkerPlaceTest, WithoutAPortOrAnAddressNobodyMeets) {
+  set("RANK", "0");
+  set("WORLD_SIZE", "2");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("RANK is set, and MASTER_ADDR is not"));
+  set("MASTER_ADDR", "::1");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("RANK is set, and MASTER_PORT is not"));
+  set("MASTER_PORT", "0");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("MASTER_PORT is 0, expected a number from 1"));
+}
+
+TEST_F(WorkerPlaceTest, AStepOfSlurmSaysItsTaskAndItsNodes) {
+  set("SLURM_STEP_NUM_TASKS", "2");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("SLURM_PROCID is not"));
+  set("SLURM_PROCID", "1");
+  EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("SLURM_STEP_NODELIST is not"));
+}
+
+TEST_F(WorkerPlaceTest, WhereNoFolderCanBeMadeWorkersCannotMeet) {
+  const char* const before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  set("TMPDIR", "/proc");  // where nobody can make a folder
+  const std::string error = error_of([] { LocalWorkers workers({}, 1); });
+  if (before == nullptr) {
+    ::unsetenv("TMPDIR");
+  } else {
+    set("TMPDIR", kept.c_str());
+  }
+  EXPECT_THAT(error, HasSubstr("/proc/knuckle-workers-"));
+  EXPECT_THAT(error, HasSubstr("cannot be made, for the workers to meet in"));
 }
 
 TEST(FirstHost, IsReadFromTheListsOfSlurm) {

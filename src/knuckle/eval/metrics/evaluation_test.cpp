@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
@@ -56,6 +57,27 @@ TEST(Evaluate, RefusesNoMethodAndEqualNames) {
   const std::vector<Predictions> twice = {example_predictions(truth, "a", 1.0),
                                           example_predictions(truth, "a", 2.0)};
   EXPECT_THAT(error_of([&] { evaluate(truth, twice); }), HasSubstr("a: two methods"));
+}
+
+TEST(Evaluate, RefusesATruthWithTooFewCameras) {
+  Truth truth = example_truth(4);
+  const std::vector<Predictions> methods = {example_predictions(truth, "a", 1.0)};
+  truth.projections.resize(2, truth.projections[0]);
+  EXPECT_THAT(error_of([&] { evaluate(truth, methods); }),
+              HasSubstr("expected one camera, or one for each of 4 frames, found 2"));
+}
+
+TEST(Evaluate, RefusesATruthThatSaysNothingOfWhatIsPredicted) {
+  Truth truth = example_truth(3);
+  const std::vector<Predictions> methods = {example_predictions(truth, "a", 1.0)};
+  for (HandPose& pose : truth.sequence.poses) pose = HandPose::missing(pose.convention);
+  EXPECT_THAT(error_of([&] { evaluate(truth, methods); }),
+              HasSubstr("the truth holds no known joint that a predicts"));
+  Predictions elsewhere = methods[0];
+  elsewhere.sequence.convention = register_convention("eval_elsewhere", {Landmark::nyu_wrist_1});
+  for (HandPose& pose : elsewhere.sequence.poses) pose = HandPose::missing(elsewhere.sequence.convention);
+  EXPECT_THAT(error_of([&] { evaluate(truth, {elsewhere}); }),
+              HasSubstr("its convention eval_elsewhere shares no landmark with the truth's, icg20"));
 }
 
 TEST(Evaluate, GivesTheSameForAnyNumberOfThreads) {

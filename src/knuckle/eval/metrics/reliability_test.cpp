@@ -43,6 +43,12 @@ TrueHands two_hands() {
   return {0, {{HandSide::right, joints_at(kNear), 1.0}, {HandSide::left, joints_at(kFar), 1.0}}};
 }
 
+TEST(ReliabilityTest, HasARecordForEachFrame) {
+  const std::vector<TrueHands> truth(2, two_hands());
+  EXPECT_THAT(knuckle::testing::error_of([&] { reliability_of(icg(), truth, std::vector<FrameRecord>(1)); }),
+              ::testing::HasSubstr("1 records, expected one for each of 2 frames"));
+}
+
 TEST(ReliabilityTest, CountsJointsByTheirConfidence) {
   const std::vector<TrueHands> truth(2, two_hands());
   const std::vector<FrameRecord> records{record_with({hand_with(0.75, 5, kNear)}),

@@ -21,6 +21,8 @@ TEST(ContactSheet, FramesAreSpreadFromTheFirstToTheLast) {
   EXPECT_THAT(spread_frames(7, 100, 1), ElementsAre(7));
   EXPECT_THAT(spread_frames(0, std::int64_t{1} << 40, 2), ElementsAre(0, (std::int64_t{1} << 40) - 1));
   EXPECT_THAT(error_of([] { spread_frames(0, 0, 4); }), HasSubstr("4 of 0 frames"));
+  EXPECT_THAT(error_of([] { spread_frames(-1, 3, 4); }), HasSubstr("frames from -1 on"));
+  EXPECT_THAT(error_of([] { spread_frames(0, 3, 0); }), HasSubstr("0 of 3 frames"));
 }
 
 TEST(ContactSheet, HasATileForEachFrame) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/pictures/drawing.h"
 
+#include <cmath>
 #include <fstream>
 
 #include "knuckle/core/testing.h"
@@ -62,6 +63,12 @@ TEST(Picture, MayReachBeyondTheBorderOrHaveNoImageAtAll) {
   const Image<Rgb> empty = picture_of(Image<float>(), {{5, 5, 3, 3}, 2.0}, {500.0, 600.0});
   EXPECT_EQ(empty, Image<Rgb>(6, 6, hole));
   EXPECT_THAT(error_of([] { picture_of(Image<float>(), View{{}, 1.0}, {}); }), HasSubstr("crop"));
+  for (const double scale : {0.0, -1.0, std::nan("")}) {
+    EXPECT_THAT(error_of([&] {
+                  picture_of(Image<float>(4, 4), View{{0, 0, 4, 4}, scale}, {});
+                }),
+                HasSubstr("a scale above 0"));
+  }
 }
 
 TEST(Skeleton, IsDrawnAtTheJointsAndOnlyThere) {

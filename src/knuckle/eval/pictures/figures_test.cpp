@@ -10,6 +10,7 @@
 #include "knuckle/eval/metrics/eval_fixtures.h"
 #include "knuckle/eval/pictures/gnuplot.h"
 #include "knuckle/eval/pictures/score_figures.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {
@@ -150,11 +151,52 @@ TEST(Figures, AComplaintOfGnuplotIsPassedOn) {
               AllOf(HasSubstr("gnuplot: "), HasSubstr("option")));
 }
 
+/// A program of that name in the folder, in place of the real one.
+void write_program(const std::filesystem::path& path, const std::string& script) {
+  write_text_file(path, "#!/bin/sh\n" + script + "\n");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+}
+
+TEST(Figures, APictureThatGnuplotLeavesIncompleteIsRefused) {
+  const TemporaryFolder folder;
+  write_program(
+      folder / "gnuplot",
+      R"sh(sed -n 's/^set output "\(.*\)"$/\1/p' "$2" | while read -r f; do echo '<svg>' >"$f"; done)sh");
+  const ChangedPath path(folder.path().string() + ":/usr/bin:/bin");
+  EXPECT_THAT(error_of([&] { write_figures(std::vector{small_figure({"a"})}, folder.path()); }),
+              HasSubstr("small.svg: cannot write: gnuplot left it incomplete"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "small.svg"));
+}
+
+TEST(Figures, AGnuplotThatCannotBeStartedIsNamed) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "gnuplot", "no program");
+  const ChangedPath path(folder.path().string());
+  EXPECT_THAT(error_of([] { run_gnuplot(""); }), HasSubstr("gnuplot: cannot be started: "));
+}
+
+TEST(Figures, AFolderForTemporaryFilesIsNeeded) {
+  const char* const before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  ::setenv("TMPDIR", "/proc", 1);  // where nobody can make a folder
+  const std::string error = error_of([] { run_gnuplot(""); });
+  if (before == nullptr) {
+    ::unsetenv("TMPDIR");
+  } else {
+    ::setenv("TMPDIR", kept.c_str(), 1);
+  }
+  EXPECT_THAT(error, AllOf(HasSubstr("/proc/knuckle_"), HasSubstr("cannot make a temporary folder")));
+}
+
 TEST(Figures, FaultsAreNamed) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] { write_figures(std::vector{small_figure({})}, folder.path()); }),
-              HasSubstr("small"));
+              HasSubstr("figure small: nothing to draw"));
   Figure figure = small_figure({"a"});
+  figure.x.clear();
+  EXPECT_THAT(error_of([&] { write_figures(std::vector{figure}, folder.path()); }),
+              HasSubstr("figure small: nothing to draw"));
+  figure = small_figure({"a"});
   figure.series[0].values.pop_back();
   EXPECT_THAT(error_of([&] { write_figures(std::vector{figure}, folder.path()); }),
               AllOf(HasSubstr("small"), HasSubstr("2 values"), HasSubstr("expected 3")));

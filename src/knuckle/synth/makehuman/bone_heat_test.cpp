@@ -79,6 +79,14 @@ TEST(BoneHeatTest, BadInputIsNamed) {
               HasSubstr("no bones"));
   EXPECT_THAT(error_of([&] { bone_heat_weights(skin.vertices, skin.faces, kTwoBones, 0.0); }),
               HasSubstr("heat is 0"));
+  EXPECT_THAT(error_of([&] { bone_heat_weights(skin.vertices, skin.faces, kTwoBones, std::nan("")); }),
+              HasSubstr("heat is nan"));
+  Tube with_a_loose_vertex = skin;
+  with_a_loose_vertex.vertices.emplace_back(0.0, 0.0, 90.0);
+  EXPECT_THAT(error_of([&] {
+                bone_heat_weights(with_a_loose_vertex.vertices, with_a_loose_vertex.faces, kTwoBones, 1.0);
+              }),
+              HasSubstr("a vertex has no face"));
 }
 
 }  // namespace

@@ -231,7 +231,15 @@ TEST(MakeHumanPackageTest, MissingAndDamagedPackagesAreNamed) {
         {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [11, 0, 0, 0, 7, 0, 0, 0, 0, 0]}",
          "a face names vertex 7"},
         {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]}",
-         "flags 0"}}) {
+         "flags 0"},
+        {"{\"vertices\": [], \"materials\": [], \"faces\": []}", "'vertices' has 0 numbers"},
+        {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [11, 0, 0]}", "'faces' has 3 numbers"},
+        {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [11, 0, -1, 0, 0, 0, 0, 0, 0, 0]}",
+         "a face names vertex -1"},
+        {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [11, 0, 0, 0, 0, 0, 0, 0, 0, 0]}",
+         "a face names material 0"},
+        {"{\"vertices\": [1, 2, 3], \"materials\": [], \"faces\": [11, 0, 0, 0, 0, -1, 0, 0, 0, 0]}",
+         "a face names material -1"}}) {
     write_text_file(models / "human_full_size.json", text);
     EXPECT_THAT(error_of([&] { import_makehuman(folder.path()); }),
                 AllOf(HasSubstr("human_full_size.json"), HasSubstr(fault)));
@@ -271,8 +279,66 @@ TEST(MakeHumanPackageTest, BonesWeightsAndJointsThatDoNotFitAreNamed) {
                  R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, 0, 0, 1])",
                  cubes),
       HasSubstr("a weight names bone 1"));
+  EXPECT_THAT(
+      fault_with(one_bone,
+                 R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, -1, 0, 0])",
+                 cubes),
+      HasSubstr("a weight names bone -1"));
   EXPECT_THAT(fault_with(one_bone, weights, R"({"a": []})"), HasSubstr("joint 'a' has no vertices"));
   EXPECT_THAT(fault_with(one_bone, weights, R"({"a": [0, 1]})"), HasSubstr("joint 'a' names vertex 1"));
+  EXPECT_THAT(fault_with(one_bone, weights, R"({"a": [-1]})"), HasSubstr("joint 'a' names vertex -1"));
+}
+
+/// A package whose mesh is one quad over a hip; it has no targets.
+class QuadPackageTest : public ::testing::Test {
+ protected:
+  QuadPackageTest() {
+    make_folder(folder_ / "public/data/models");
+    make_folder(folder_ / "public/data/targets");
+    make_folder(folder_ / "src/json/targets");
+    write_text_file(folder_ / "src/json/targets/target-list.json", R"({"targets": {}})");
+    write_text_file(folder_ / "public/data/targets/targets.bin", "");
+  }
+  std::string fault() const {
+    std::string weights;
+    std::string bones;
+    for (int vertex = 0; vertex < 5; ++vertex) {
+      weights += fmt::format("{}{}, 0, 0, 0", vertex == 0 ? "" : ", ", weight_);
+      bones += fmt::format("{}0, 0, 0, 0", vertex == 0 ? "" : ", ");
+    }
+    write_text_file(
+        folder_ / "public/data/models/human_full_size.json",
+        fmt::format(
+            R"({{"vertices": [0, 1, 0, 1, 1, 0, 1, 2, 0, 0, 2, 0, 0, 0, 0], "materials": [{{"DbgName": "body"}}],)"
+            R"( "faces": [11, {}, 0, 0, 0, 0, 0], "influencesPerVertex": 4, "skinWeights": [{}],)"
+            R"( "skinIndices": [{}], "bones": [{}], "metadata": {{"joint_pos_idxs": {}}}}})",
+            quad_, weights, bones, bones_, cubes_));
+    return error_of([&] { import_makehuman(folder_.path()); });
+  }
+
+  TemporaryFolder folder_;
+  std::string quad_ = "0, 1, 2, 3";
+  std::string bones_ =
+      R"({"name": "upperarm01.R", "parent": -1}, {"name": "wrist.R", "parent": 0}, {"name": "head", "parent": 0})";
+  std::string cubes_ = R"({"upperleg01.R____head": [4]})";
+  int weight_ = 1;
+};
+
+TEST_F(QuadPackageTest, ABoneOrJointThatIsMissingIsNamed) {
+  cubes_ = "{}";
+  EXPECT_THAT(fault(), HasSubstr("has no joint 'upperleg01.R____head'"));
+  bones_ = R"({"name": "a", "parent": -1})";
+  EXPECT_THAT(fault(), HasSubstr("has no bone 'head'"));
+}
+
+TEST_F(QuadPackageTest, ARimThatDoesNotCloseIsRefused) {
+  quad_ = "0, 1, 2, 2";
+  EXPECT_THAT(fault(), HasSubstr("a rim that does not close"));
+}
+
+TEST_F(QuadPackageTest, AVertexWithoutWeightsIsNamed) {
+  weight_ = 0;
+  EXPECT_THAT(fault(), HasSubstr("MakeHuman's vertex 0 has no weights"));
 }
 
 TEST(MakeHumanPackageTest, TargetsOfAnotherSizeAreRefused) {
@@ -290,6 +356,25 @@ TEST(MakeHumanPackageTest, TargetsOfAnotherSizeAreRefused) {
   const auto offsets = MakeHumanTargets(folder.path(), 2).offsets_mm("a");
   EXPECT_EQ(offsets[0], Eigen::Vector3f(1.0f, 0.0f, 0.0f));  // 10 thousandths of a decimetre
   EXPECT_FLOAT_EQ(offsets[1].y(), -0.1f);
+}
+
+TEST(MakeHumanPackageTest, ALeftOutTargetOrListIsNamed) {
+  const TemporaryFolder folder;
+  make_folder(folder / "src/json/targets");
+  make_folder(folder / "public/data/targets");
+  for (const std::string list : {"[]", "{}", R"({"targets": [1]})"}) {
+    write_text_file(folder / "src/json/targets/target-list.json", list);
+    EXPECT_THAT(error_of([&] { MakeHumanTargets(folder.path(), 2); }),
+                HasSubstr("target-list.json: expected an object 'targets'"))
+        << list;
+  }
+  write_text_file(folder / "src/json/targets/target-list.json", R"({"targets": {"a": []}})");
+  write_text_file(folder / "public/data/targets/targets.bin", std::string(12, '\0'));
+  const MakeHumanTargets targets(folder.path(), 2);
+  EXPECT_THAT(error_of([&] { targets.offsets_mm("b"); }), HasSubstr("there is no target 'b'"));
+  // The size was right when the list was read.
+  write_text_file(folder / "public/data/targets/targets.bin", std::string(11, '\0'));
+  EXPECT_THAT(error_of([&] { targets.offsets_mm("a"); }), HasSubstr("targets.bin: cannot be read"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/people/hand_proportions.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "knuckle/core/testing.h"
@@ -68,6 +69,15 @@ TEST_F(HandProportionsTest, TheForearmStaysWhereItIs) {
       EXPECT_EQ(changed.vertices[i], person_.vertices[i]);
     }
   }
+}
+
+TEST_F(HandProportionsTest, WithoutSkinAHandHasNoBreadth) {
+  EXPECT_GT(hand_breadth_mm(person_), 40.0);
+  Body bare = body_;
+  std::ranges::fill(bare.is_hand, std::uint8_t{0});
+  const ShapedBody person = shaped_body(bare, std::vector<double>(bare.shapedirs.size(), 0.0));
+  EXPECT_THAT(testing::error_of([&] { hand_breadth_mm(person); }),
+              ::testing::HasSubstr("the knuckles have no skin"));
 }
 
 TEST_F(HandProportionsTest, ProportionsSpreadAsAskedFor) {

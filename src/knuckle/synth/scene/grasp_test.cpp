@@ -71,6 +71,12 @@ TEST(Grasps, ThickerThingsAreHeldWithStraighterFingers) {
   EXPECT_GT(thin / thin_count, thick / thick_count + 0.1);
 }
 
+TEST(Grasps, OneOfTheGivenNamesIsKnown) {
+  Random random(4, 1);
+  EXPECT_THAT(testing::error_of([&] { sampled_grasp(adult_skeleton(), {"teeth"}, random); }),
+              ::testing::HasSubstr("none of the given names is one"));
+}
+
 TEST(Grasps, ComeFromTheStreamAlone) {
   Random a(6, 1);
   Random b(6, 1);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/core/worker_messages.h"
+
+#include "knuckle/core/testing.h"
+#include "knuckle/core/worker_group_testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+
+/// A group of two whose other worker says that its message has so many bytes.
+class AnnouncingWorkers final : public WorkerGroup {
+ public:
+  explicit AnnouncingWorkers(std::int64_t announced) : announced_(announced) {}
+  int rank() const override { return 0; }
+  int size() const override { return 2; }
+  std::vector<std::byte> exchange(Messages, const std::vector<std::int64_t>&) override {
+    std::vector<std::byte> received;
+    append_value(received, std::int64_t{0});
+    append_value(received, announced_);
+    return received;
+  }
+  double seconds_in_exchange() const override { return 0.0; }
+  std::int64_t bytes_sent() const override { return 0; }
+
+ private:
+  std::int64_t announced_;
+};
+
+TEST(WorkerMessages, AMessageOfAnImpossibleSizeIsRefused) {
+  for (const std::int64_t announced : {std::int64_t{-1}, (std::int64_t{1} << 40) + 1}) {
+    AnnouncingWorkers workers(announced);
+    EXPECT_THAT(error_of([&] {
+                  exchanged(workers, {{}, {}});
+                }),
+                HasSubstr(fmt::format("worker 1 of 2: announces a message of {} bytes", announced)));
+  }
+}
+
+TEST(WorkerMessages, ATextOfAnImpossibleSizeIsRefused) {
+  for (const std::int64_t announced : {std::int64_t{-1}, (std::int64_t{1} << 30) + 1}) {
+    AnnouncingWorkers workers(announced);
+    EXPECT_THAT(error_of([&] { gathered(workers, ""); }),
+                HasSubstr(fmt::format("worker 1 of 2: announces a message of {} bytes", announced)));
+  }
+}
+
+TEST(WorkerMessages, WhoSaysSomethingElseThanWorker0IsNamed) {
+  testing::ThreadWorkers workers(3);
+  EXPECT_NO_THROW(workers.run([](WorkerGroup& group) { require_same(group, "other weights", "a"); }));
+  EXPECT_THAT(error_of([&] {
+                workers.run([](WorkerGroup& group) {
+                  require_same(group, "other weights", group.rank() == 2 ? "b" : "a");
+                });
+              }),
+              HasSubstr("worker 2 of 3 has other weights than worker 0"));
+}
+
+TEST(WorkerMessages, AMessageThatEndsEarlyIsRefused) {
+  std::vector<std::byte> message;
+  append_value(message, std::int32_t{7});
+  MessageReader reader(message);
+  EXPECT_EQ(reader.value<std::int32_t>(), 7);
+  EXPECT_TRUE(reader.is_at_end());
+  EXPECT_THAT(error_of([&] { reader.value<char>(); }), HasSubstr("ends early: 0 bytes are left, expected 1"));
+}
+
+}  // namespace
+}  // namespace knuckle
