@@ -271,7 +271,6 @@ TEST_F(V4l2Test, ADeviceWhoseNumbersCannotBeIsRefused) {
   EXPECT_THAT(fault_with("buffers", "1"), FailedWith("gives 1 buffers, expected 2 to 64"));
   EXPECT_THAT(fault_with("buffers", "65"), FailedWith("gives 65 buffers, expected 2 to 64"));
   EXPECT_THAT(fault_with("buffer_bytes", "100"), FailedWith("gives buffers of 100 bytes for frames of"));
-  EXPECT_THAT(fault_with("wrong_buffer", "1"), FailedWith("gives a buffer that there is not"));
 }
 
 TEST_F(V4l2Test, IntrinsicsHaveToBeKnown) {

@@ -80,7 +80,15 @@ OnnxShape shape_of_prelu(NodeView& node) {
 
 OnnxShape shape_of_softmax(NodeView& node) {
   const OnnxShape& shape = node.shape(0);
-  (void)node.axis("axis", node.opset() < 13 ? 1 : -1, shape.size());
+  const bool is_old = node.opset() < 13;
+  const std::size_t axis = node.axis("axis", is_old ? 1 : -1, shape.size());
+  // Before opset 13 all axes from this one on were one, which OpenCV does not know.
+  const bool is_alone = std::all_of(shape.begin() + static_cast<std::ptrdiff_t>(axis) + 1, shape.end(),
+                                    [](std::int64_t size) { return size == 1; });
+  if (is_old && !is_alone) {
+    node.fault("of opset {} it takes axis {} and those after it together; export it with opset 13 or later",
+               node.opset(), axis);
+  }
   return shape;
 }
 

@@ -11,6 +11,7 @@
 namespace knuckle {
 namespace {
 
+using ::testing::_;
 using ::testing::ElementsAre;
 using testing::error_of;
 using testing::filled;
@@ -99,6 +100,32 @@ TEST_F(OnnxEngineTest, InputsAndOutputsHaveTheShapesOfTheModel) {
   EXPECT_THAT(fault_of(5), HasSubstr("an input of another size"));
   model.outputs.front().shape = {1, 1, 2, 3};
   EXPECT_THAT(fault_of(4), HasSubstr("output 'y' has another shape than the file says"));
+}
+
+/// OpenCV would pass over them.
+TEST_F(OnnxEngineTest, WhatTheEngineWouldComputeInAnotherWayIsRefused) {
+  const auto gemm = [](std::map<std::string, OnnxAttribute> attributes) {
+    OnnxModel model = one_node("Flatten", {1, 1, 1, 2});  // 0 1
+    model.nodes.front().outputs = {"flat"};
+    model.constants = {{"w", filled({1, 2}, 2.0f)}, {"b", filled({1}, 10.0f)}};
+    attributes["transB"] = std::int64_t{1};
+    model.nodes.push_back({"Gemm", "gemm", {"flat", "w", "b"}, {"y"}, std::move(attributes)});
+    return model;
+  };
+  EXPECT_THAT(run(gemm({{"alpha", 1.0f}, {"beta", 1.0f}})), ElementsAre(12));
+  EXPECT_THAT(error_of([&] { run(gemm({{"alpha", 2.0f}})); }), HasSubstr("alpha is 2, expected 1"));
+  EXPECT_THAT(error_of([&] { run(gemm({{"beta", 0.5f}})); }), HasSubstr("beta is 0.5, expected 1"));
+
+  const auto softmax = [](std::int64_t opset, const OnnxShape& input) {
+    return testing::of_opset(opset, one_node("Softmax", input, {}, {{"axis", std::int64_t{1}}}));
+  };
+  const auto sigmoid_of_2 = FloatNear(0.880797f, 1e-5f);
+  EXPECT_THAT(run(softmax(13, {1, 2, 1, 2})), ElementsAre(_, _, sigmoid_of_2, sigmoid_of_2));
+  EXPECT_THAT(run(softmax(11, {1, 2, 1, 1})), ElementsAre(_, FloatNear(0.731059f, 1e-5f)));
+  EXPECT_THAT(error_of([&] {
+                run(softmax(11, {1, 2, 1, 2}));
+              }),
+              HasSubstr("of opset 11 it takes axis 1 and those after it together"));
 }
 
 TEST_F(OnnxEngineTest, WhatTheEngineCannotIsOneLine) {

@@ -173,6 +173,10 @@ OnnxShape shape_of_gemm(NodeView& node) {
   const OnnxShape& a = node.shape(0, 2);
   (void)node.reals(1);
   const OnnxShape& b = node.shape(1, 2);
+  for (const char* factor : {"alpha", "beta"}) {
+    const float value = node.real(factor, 1.0f);
+    if (value != 1.0f) node.fault("{} is {}, expected 1; export it with its weights scaled", factor, value);
+  }
   const bool a_turned = node.integer("transA", 0, 0, 1) == 1;
   const bool b_turned = node.integer("transB", 0, 0, 1) == 1;
   const std::int64_t inner = a_turned ? a[0] : a[1];
