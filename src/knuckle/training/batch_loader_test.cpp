@@ -99,7 +99,7 @@ TEST(CubeSampleViews, InAMirrorHaveNoJointsAndTellALeftHand) {
   EXPECT_LT(mirrored, 30);
 }
 
-TEST(CubeSampleViews, NeedASample) {
+TEST(CubeSampleViews, NeedASet) {
   EXPECT_THAT(error_of([] { CubeSampleViews({}, {}); }), HasSubstr("there is no sample to train on"));
 }
 
@@ -258,6 +258,12 @@ TEST(BatchPlan, RefusesAnEmptySetAndOptionsOutOfRange) {
   EXPECT_THAT(error_of([&] { plan_of(none, {}, 4, 1); }), HasSubstr("no sample to train on"));
   EXPECT_THAT(error_of([] { CubeSampleViews(std::vector<TrainingCrops>{}, no_augmentation()); }),
               HasSubstr("no sample to train on"));
+  const CubeSamples things = made_up_samples(2);
+  EXPECT_THAT(error_of([&] {
+                CubeSampleViews({TrainingCrops{none, &things}}, no_augmentation(), {.hand = true});
+              }),
+              HasSubstr("no sample to train on"))
+      << "things alone are no set";
   const CubeSamples samples = made_up_samples(1);
   EXPECT_THAT(error_of([&] { plan_of(samples, {.rotation_deg = 200.0}, 4, 1); }), HasSubstr("rotation_deg"));
 }

@@ -99,9 +99,6 @@ std::vector<TrainingMetrics> train_network(const NetworkOptions& network,
                                            const AugmentationOptions& augmentation,
                                            const std::vector<TrainingCrops>& training,
                                            const CubeSamples& validation, const NetworkTrainingRun& run) {
-  for (const TrainingCrops& set : training) {
-    if (set.hands.size() == 0) fail("training: there is no sample to train on");
-  }
   check_training(network, options, validation);
   auto views = std::make_shared<const CubeSampleViews>(training, augmentation, questions_of(network));
   return train(PoseTrainingTask(network, augmentation, std::move(views), validation), options, run);

@@ -82,7 +82,7 @@ CubeSampleViews::CubeSampleViews(std::vector<TrainingCrops> sets, const Augmenta
     : sets_(std::move(sets)), views_(augmentation, questions, things_of(sets_)) {
   if (sets_.empty()) fail("training: there is no sample to train on");
   for (const TrainingCrops& set : sets_) {
-    if (set.size() == 0) fail("training: there is no sample to train on");
+    if (set.hands.size() == 0) fail("training: there is no sample to train on");
     for (const CubeSamples* const samples : {&set.hands, set.things}) {
       if (samples != nullptr && !are_of_same_sizes(*samples, sets_.front().hands))
         fail("samples: things and hands, or sets, are of different sizes");

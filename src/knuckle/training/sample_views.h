@@ -84,8 +84,8 @@ class CropViews {
 /// whose numbers are the answer.
 class CubeSampleViews final : public SampleViews {
  public:
-  /// Throws an Error where an option is out of range, a set is empty or of another size than the first, or
-  /// there is nothing from which a question can be learned.
+  /// Throws an Error where an option is out of range, a set has no hands or is of another size than the
+  /// first, or there is nothing from which a question can be learned.
   CubeSampleViews(std::vector<TrainingCrops> sets, const AugmentationOptions& augmentation,
                   const PatchQuestions& questions = {});
 

@@ -106,7 +106,7 @@ StreamedViews::StreamedViews(std::vector<StreamedCrops> sets, const Augmentation
       sizes_(sizes_of(sets_)) {
   std::int64_t first = 0;
   for (const StreamedCrops& set : sets_) {
-    if (set.size() == 0) fail("training: there is no sample to train on");
+    if (set.hands->size() == 0) fail("training: there is no sample to train on");
     for (const SampleStream* const stream : std::array{set.hands.get(), set.things.get()}) {
       if (stream == nullptr) continue;
       if (!are_of_same_sizes(*stream, sizes_))

@@ -152,11 +152,20 @@ TEST_F(StreamedViewsTest, RefuseWhatViewsOfMemoryRefuse) {
   const CubeSamples none = made_up_samples(0);
   EXPECT_THAT(fault({{std::make_shared<MemoryStream>(none, std::vector<std::int64_t>{}), nullptr, 1.0}}, {}),
               HasSubstr("no sample"));
-  const CubeSamples other(0, 14, {16, 100.0}, 20);
-  EXPECT_THAT(fault({{many_stream_, nullptr, 1.0},
-                     {std::make_shared<MemoryStream>(other, std::vector<std::int64_t>{}), many_stream_, 1.0}},
+  EXPECT_THAT(fault({{std::make_shared<MemoryStream>(none, std::vector<std::int64_t>{}), thing_stream_, 1.0}},
                     {.hand = true}),
-              HasSubstr("different sizes"));
+              HasSubstr("no sample"))
+      << "things alone are no set";
+  CubeSamples other(1, 14, {16, 100.0}, 20);
+  const std::vector<std::uint8_t> codes(20 * 20);
+  const std::vector<float> joints(3 * 14);
+  other.set(0, {codes, joints, Point3(0, 0, 500)});
+  other.finish();
+  EXPECT_THAT(
+      fault({{many_stream_, nullptr, 1.0},
+             {std::make_shared<MemoryStream>(other, std::vector<std::int64_t>{1}), many_stream_, 1.0}},
+            {.hand = true}),
+      HasSubstr("different sizes"));
 }
 
 }  // namespace

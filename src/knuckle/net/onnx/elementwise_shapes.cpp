@@ -82,13 +82,14 @@ OnnxShape shape_of_softmax(NodeView& node) {
   const OnnxShape& shape = node.shape(0);
   const bool is_old = node.opset() < 13;
   const std::size_t axis = node.axis("axis", is_old ? 1 : -1, shape.size());
-  // Before opset 13 all axes from this one on were one, which OpenCV does not know.
-  const bool is_alone = std::all_of(shape.begin() + static_cast<std::ptrdiff_t>(axis) + 1, shape.end(),
-                                    [](std::int64_t size) { return size == 1; });
-  if (is_old && !is_alone) {
-    node.fault("of opset {} it takes axis {} and those after it together; export it with opset 13 or later",
-               node.opset(), axis);
+  const auto behind = shape.begin() + static_cast<std::ptrdiff_t>(axis) + 1;
+  if (is_old && std::any_of(behind, shape.end(), [](std::int64_t size) { return size != 1; })) {
+    node.fault(
+        "before opset 13 it takes the axes from {} on together; export it with opset_version=13 or later",
+        axis);
   }
+  // OpenCV has another default than either.
+  node.node().attributes.insert_or_assign("axis", static_cast<std::int64_t>(axis));
   return shape;
 }
 

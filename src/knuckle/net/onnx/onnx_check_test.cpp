@@ -257,6 +257,15 @@ TEST(OnnxCheck, OperatorsOnNumbersGetAsManyAsTheyNeed) {
       HasSubstr("epsilon is not above 0"));
 }
 
+TEST(OnnxCheck, AnOldSoftmaxIsOfTheLastAxis) {
+  const auto softmax = [](std::int64_t opset, std::int64_t axis) {
+    return testing::of_opset(opset, one_node("Softmax", kImage, {}, {{"axis", axis}}));
+  };
+  EXPECT_NO_THROW((void)checked_onnx(softmax(13, 1), "n"));
+  EXPECT_NO_THROW((void)checked_onnx(softmax(12, 3), "n"));
+  EXPECT_THAT(fault(softmax(12, 1)), HasSubstr("before opset 13 it takes the axes from 1 on together"));
+}
+
 TEST(OnnxCheck, OperatorsOnShapesNameEachAxisOnceAndKeepAllNumbers) {
   EXPECT_THAT(fault(one_node("Reshape", kImage, {{"s", integer_list({1, 2, 6, 8, 0})}})),
               HasSubstr("it keeps size 4 of 4"));
@@ -326,6 +335,11 @@ TEST(OnnxCheck, OperatorsOnWindowsFitTheirImage) {
               HasSubstr("strides has 3 numbers, expected 2"));
   EXPECT_THAT(convolution({3, 2, 3, 3}, {{"auto_pad", std::string("SAME")}}),
               HasSubstr("auto_pad is 'SAME'"));
+  EXPECT_THAT(convolution({3, 2, 1, 2}, {{"auto_pad", std::string("SAME_LOWER")}}),
+              HasSubstr("SAME_LOWER with an odd padding of 1 is not read"));
+  EXPECT_NO_THROW((void)checked_onnx(
+      one_node("Conv", kImage, {{"w", filled({3, 2, 3, 3})}}, {{"auto_pad", std::string("SAME_LOWER")}}),
+      "n"));
   EXPECT_THAT(
       convolution({3, 2, 3, 3}, {{"auto_pad", std::string("SAME_UPPER")}, {"pads", Integers{1, 1, 1, 1}}}),
       HasSubstr("it has both pads and auto_pad"));
@@ -349,6 +363,14 @@ TEST(OnnxCheck, OperatorsOnWindowsFitTheirImage) {
   };
   EXPECT_THAT(pool({{"pads", Integers{0, 0, 0, 3}}}), HasSubstr("it is padded by its whole kernel"));
   EXPECT_THAT(pool({{"dilations", Integers{1, 2}}}), HasSubstr("its kernel is dilated"));
+  const auto average = [](Integers pads) {
+    return one_node("AveragePool", kImage, {},
+                    {{"kernel_shape", Integers{3, 3}},
+                     {"pads", std::move(pads)},
+                     {"count_include_pad", std::int64_t{1}}});
+  };
+  EXPECT_NO_THROW((void)checked_onnx(average({0, 0, 0, 0}), "n"));
+  EXPECT_THAT(fault(average({0, 1, 0, 1})), HasSubstr("count_include_pad is 1, which is not read"));
 }
 
 TEST(OnnxCheck, AnImageIsScaledInRowsAndColumns) {
@@ -376,6 +398,15 @@ TEST(OnnxCheck, MatricesFitTogether) {
   EXPECT_NO_THROW((void)checked_onnx(gemm(filled({96, 4}), filled({4})), "n"));
   EXPECT_THAT(fault(gemm(filled({95, 4}), filled({4}))), HasSubstr("matrices of 1 x 96 and 95 x 4"));
   EXPECT_THAT(fault(gemm(filled({96, 4}), filled({3}))), HasSubstr("its bias has 3 numbers, expected 4"));
+  const auto gemm_with = [&](const std::string& name, OnnxAttribute value) {
+    OnnxModel model = gemm(filled({96, 4}), filled({4}));
+    model.nodes.back().attributes[name] = std::move(value);
+    return model;
+  };
+  EXPECT_NO_THROW((void)checked_onnx(gemm_with("alpha", 1.0f), "n"));
+  EXPECT_THAT(fault(gemm_with("alpha", 2.0f)), HasSubstr("alpha is 2, expected 1"));
+  EXPECT_THAT(fault(gemm_with("beta", 0.5f)), HasSubstr("beta is 0.5, expected 1"));
+  EXPECT_THAT(fault(gemm_with("transA", std::int64_t{1})), HasSubstr("transA is 1, expected 0 to 0"));
   const auto product = [](OnnxTensor matrices) {
     return one_node("MatMul", kImage, {{"w", std::move(matrices)}});
   };

@@ -16,6 +16,7 @@ constexpr double kMostScale = 64.0;
 struct Window {
   std::vector<std::int64_t> kernel, strides, dilations, pads;  // pads: before rows, columns, then after them
   bool is_same = false;                                        // padded so that only the stride shrinks
+  bool is_lower = false;                                       // of that, an odd pixel comes before
 
   std::int64_t reach(std::size_t axis) const { return dilations[axis] * (kernel[axis] - 1) + 1; }
 };
@@ -32,7 +33,8 @@ Window window_of(const NodeView& node, std::vector<std::int64_t> kernel) {
   window.dilations = node.integers("dilations", {1, 1}, 1, kMostSteps);
   window.pads = node.integers("pads", {0, 0, 0, 0}, 0, kMostSteps);
   const std::string automatic = node.text("auto_pad", "NOTSET");
-  window.is_same = automatic == "SAME_UPPER" || automatic == "SAME_LOWER";
+  window.is_lower = automatic == "SAME_LOWER";
+  window.is_same = automatic == "SAME_UPPER" || window.is_lower;
   if (!window.is_same && automatic != "NOTSET" && automatic != "VALID")
     node.fault("auto_pad is '{}'", automatic);
   if (automatic != "NOTSET" && node.has_attribute("pads") && window.pads != std::vector<std::int64_t>(4, 0)) {
@@ -44,7 +46,14 @@ Window window_of(const NodeView& node, std::vector<std::int64_t> kernel) {
 std::int64_t places_of(const NodeView& node, const Window& window, std::int64_t size, std::size_t axis,
                        bool rounds_up) {
   const std::int64_t stride = window.strides[axis];
-  if (window.is_same) return (size + stride - 1) / stride;
+  if (window.is_same) {
+    const std::int64_t places = (size + stride - 1) / stride;
+    const std::int64_t padding = (places - 1) * stride + window.reach(axis) - size;
+    // OpenCV puts the odd pixel behind.
+    if (window.is_lower && padding > 0 && padding % 2 != 0)
+      node.fault("SAME_LOWER with an odd padding of {} is not read; export it with pads", padding);
+    return places;
+  }
   const std::int64_t room = size + window.pads[axis] + window.pads[axis + 2] - window.reach(axis);
   if (room < 0) node.fault("a window of {} pixels in an image of {}", window.reach(axis), size);
   return (room + (rounds_up ? stride - 1 : 0)) / stride + 1;
@@ -129,7 +138,10 @@ OnnxShape shape_of_pool(NodeView& node) {
   const OnnxShape& input = node.shape(0, 4);
   const Window window = window_of(node, {});
   (void)node.integer("storage_order", 0, 0, 0);
-  (void)node.integer("count_include_pad", 0, 0, 1);
+  const bool is_padded = window.is_same || window.pads != std::vector<std::int64_t>(4, 0);
+  if (node.integer("count_include_pad", 0, 0, 1) == 1 && is_padded)
+    node.fault(
+        "count_include_pad is 1, which is not read where there are pads; export them as a Pad before it");
   const bool rounds_up = node.integer("ceil_mode", 0, 0, 1) == 1;
   for (std::size_t i = 0; i < 4; ++i) {
     if (window.pads[i] >= window.kernel[i % 2]) node.fault("it is padded by its whole kernel");
@@ -173,16 +185,17 @@ OnnxShape shape_of_gemm(NodeView& node) {
   const OnnxShape& a = node.shape(0, 2);
   (void)node.reals(1);
   const OnnxShape& b = node.shape(1, 2);
+  (void)node.integer("transA", 0, 0, 0);
+  const std::int64_t b_turned = node.integer("transB", 0, 0, 1);
   for (const char* factor : {"alpha", "beta"}) {
-    const float value = node.real(factor, 1.0f);
-    if (value != 1.0f) node.fault("{} is {}, expected 1; export it with its weights scaled", factor, value);
+    if (node.real(factor, 1.0f) != 1.0f) node.fault("{} is {}, expected 1", factor, node.real(factor, 1.0f));
   }
-  const bool a_turned = node.integer("transA", 0, 0, 1) == 1;
-  const bool b_turned = node.integer("transB", 0, 0, 1) == 1;
-  const std::int64_t inner = a_turned ? a[0] : a[1];
-  if (inner != (b_turned ? b[1] : b[0]))
+  const std::int64_t inner = a[1];
+  if (inner != (b_turned == 1 ? b[1] : b[0]))
     node.fault("matrices of {} x {} and {} x {}", a[0], a[1], b[0], b[1]);
-  OnnxShape shape = checked(node, {a_turned ? a[1] : a[0], b_turned ? b[0] : b[1]});
+  // Where nothing is said, OpenCV takes the second matrix as turned.
+  node.node().attributes.insert_or_assign("transB", b_turned);
+  OnnxShape shape = checked(node, {a[0], b_turned == 1 ? b[0] : b[1]});
   if (node.has(2)) {
     const auto found = static_cast<std::int64_t>(node.reals(2).size());
     if (found != 1 && found != shape[1]) node.fault("its bias has {} numbers, expected {}", found, shape[1]);
