@@ -139,9 +139,10 @@ OnnxShape shape_of_pool(NodeView& node) {
   const Window window = window_of(node, {});
   (void)node.integer("storage_order", 0, 0, 0);
   const bool is_padded = window.is_same || window.pads != std::vector<std::int64_t>(4, 0);
-  if (node.integer("count_include_pad", 0, 0, 1) == 1 && is_padded)
+  if (node.integer("count_include_pad", 0, 0, 1) == 1 && is_padded) {
     node.fault(
         "count_include_pad is 1, which is not read where there are pads; export them as a Pad before it");
+  }
   const bool rounds_up = node.integer("ceil_mode", 0, 0, 1) == 1;
   for (std::size_t i = 0; i < 4; ++i) {
     if (window.pads[i] >= window.kernel[i % 2]) node.fault("it is padded by its whole kernel");
