@@ -21,7 +21,6 @@
 //   image_bytes 100           the same of a frame
 //   buffers 1                 how many buffers it gives
 //   buffer_bytes 100          how long it says that they are
-//   wrong_buffer 1            it gives one that there is not
 //   frames PATH               file of the frames, one after another, without padding
 //   interval_ms 20            from one frame to the next
 //   clock monotonic           whether its times are of that clock; else "unknown"
@@ -276,8 +275,7 @@ int give_frame(World& world, int descriptor, Device& device, v4l2_buffer& buffer
     pixels += row;
     place += world.row_bytes(device);
   }
-  constexpr std::uint32_t kNoBuffer = 1000;
-  buffer.index = world.scenario.number("wrong_buffer") ? kNoBuffer : index;
+  buffer.index = index;
   buffer.bytesused = static_cast<std::uint32_t>(world.buffer_bytes(device));
   buffer.sequence = static_cast<std::uint32_t>(device.next_frame);
   buffer.flags =

@@ -189,7 +189,8 @@ OnnxShape shape_of_gemm(NodeView& node) {
   (void)node.integer("transA", 0, 0, 0);
   const std::int64_t b_turned = node.integer("transB", 0, 0, 1);
   for (const char* factor : {"alpha", "beta"}) {
-    if (node.real(factor, 1.0f) != 1.0f) node.fault("{} is {}, expected 1", factor, node.real(factor, 1.0f));
+    const float value = node.real(factor, 1.0f);
+    if (value != 1.0f) node.fault("{} is {}, expected 1; export it with its weights scaled", factor, value);
   }
   const std::int64_t inner = a[1];
   if (inner != (b_turned == 1 ? b[1] : b[0]))
