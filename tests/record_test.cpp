@@ -3,6 +3,7 @@
 #include "program.h"
 
 #include "knuckle/prepare/open_source.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {
@@ -132,6 +133,17 @@ TEST_F(RecordTest, LiveRecordsEveryFrameAlsoThoseThatArePassedOver) {
   const ProgramRun run = run_program({"live", "--source", made("?rate=300"), "--record", path("a.h5")});
   ASSERT_THAT(run, Succeeded());
   expect_same_frames("h5:" + path("a.h5"), 12);
+}
+
+TEST_F(RecordTest, OfFramesOfWhichNoneCanBeReadTheFirstSaysWhy) {
+  ASSERT_THAT(run_program({"record", "--source", made(), "--out", path("b")}), Succeeded());
+  for (const auto& entry : fs::recursive_directory_iterator(path("b")))
+    if (entry.path().extension() == ".png") write_text_file(entry.path(), "no image");
+  const ProgramRun run =
+      run_program({"record", "--source", "folder:" + path("b") + "?rate=100", "--out", path("a.h5")});
+  EXPECT_THAT(run, FailedWith("12 frames could not be read; the first: "));
+  EXPECT_THAT(run.error, HasSubstr("000000"));
+  EXPECT_FALSE(fs::exists(path("a.h5")));
 }
 
 TEST_F(RecordTest, FaultsAreOneLine) {

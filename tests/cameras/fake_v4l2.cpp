@@ -288,20 +288,40 @@ int give_frame(World& world, int descriptor, Device& device, v4l2_buffer& buffer
   return 0;
 }
 
+void tell_capability(const World& world, v4l2_capability& capability) {
+  const std::string card = world.scenario.text("card", "Fake depth camera");
+  std::memcpy(capability.card, card.c_str(), std::min(card.size() + 1, sizeof capability.card));
+  capability.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_DEVICE_CAPS;
+  capability.device_caps =
+      V4L2_CAP_STREAMING | (world.scenario.number("no_capture") ? 0 : V4L2_CAP_VIDEO_CAPTURE);
+  if (world.scenario.number("planes"))
+    capability.device_caps = V4L2_CAP_STREAMING | V4L2_CAP_VIDEO_CAPTURE_MPLANE;
+}
+
+void tell_rate(const World& world, const Device& device, v4l2_captureparm& capture) {
+  capture.capability = world.scenario.number("fixed_rate") ? 0 : V4L2_CAP_TIMEPERFRAME;
+  capture.timeperframe = {1, device.rate};
+}
+
+int make_buffers(const World& world, int descriptor, Device& device, v4l2_requestbuffers& wanted) {
+  if (const int error = world.scenario.number("start_error")) return World::failed(error);
+  wanted.count = static_cast<std::uint32_t>(world.scenario.number("buffers", static_cast<int>(wanted.count)));
+  device.buffers = wanted.count;
+  return ::ftruncate(descriptor, static_cast<off_t>(world.buffer_offset(device, device.buffers)));
+}
+
+void tell_buffer(const World& world, const Device& device, v4l2_buffer& buffer) {
+  buffer.length = static_cast<std::uint32_t>(
+      world.scenario.number("buffer_bytes", static_cast<int>(world.buffer_bytes(device))));
+  buffer.m.offset = static_cast<std::uint32_t>(world.buffer_offset(device, buffer.index));
+}
+
 int answer(World& world, int descriptor, Device& device, unsigned long request, void* argument) {
   if (world.is_gone(device)) return World::failed(ENODEV);
   switch (request) {
-    case VIDIOC_QUERYCAP: {
-      auto& capability = *static_cast<v4l2_capability*>(argument);
-      const std::string card = world.scenario.text("card", "Fake depth camera");
-      std::memcpy(capability.card, card.c_str(), std::min(card.size() + 1, sizeof capability.card));
-      capability.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_DEVICE_CAPS;
-      capability.device_caps =
-          V4L2_CAP_STREAMING | (world.scenario.number("no_capture") ? 0 : V4L2_CAP_VIDEO_CAPTURE);
-      if (world.scenario.number("planes"))
-        capability.device_caps = V4L2_CAP_STREAMING | V4L2_CAP_VIDEO_CAPTURE_MPLANE;
+    case VIDIOC_QUERYCAP:
+      tell_capability(world, *static_cast<v4l2_capability*>(argument));
       return 0;
-    }
     case VIDIOC_ENUM_FMT:
       return list_entry(world, *static_cast<v4l2_fmtdesc*>(argument));
     case VIDIOC_ENUM_FRAMESIZES:
@@ -317,27 +337,14 @@ int answer(World& world, int descriptor, Device& device, unsigned long request, 
     case VIDIOC_S_PARM:
       set_rate(world, device, *static_cast<v4l2_streamparm*>(argument));
       [[fallthrough]];
-    case VIDIOC_G_PARM: {
-      v4l2_captureparm& capture = static_cast<v4l2_streamparm*>(argument)->parm.capture;
-      capture.capability = world.scenario.number("fixed_rate") ? 0 : V4L2_CAP_TIMEPERFRAME;
-      capture.timeperframe = {1, device.rate};
+    case VIDIOC_G_PARM:
+      tell_rate(world, device, static_cast<v4l2_streamparm*>(argument)->parm.capture);
       return 0;
-    }
-    case VIDIOC_REQBUFS: {
-      if (const int error = world.scenario.number("start_error")) return World::failed(error);
-      auto& wanted = *static_cast<v4l2_requestbuffers*>(argument);
-      wanted.count =
-          static_cast<std::uint32_t>(world.scenario.number("buffers", static_cast<int>(wanted.count)));
-      device.buffers = wanted.count;
-      return ::ftruncate(descriptor, static_cast<off_t>(world.buffer_offset(device, device.buffers)));
-    }
-    case VIDIOC_QUERYBUF: {
-      auto& buffer = *static_cast<v4l2_buffer*>(argument);
-      buffer.length = static_cast<std::uint32_t>(
-          world.scenario.number("buffer_bytes", static_cast<int>(world.buffer_bytes(device))));
-      buffer.m.offset = static_cast<std::uint32_t>(world.buffer_offset(device, buffer.index));
+    case VIDIOC_REQBUFS:
+      return make_buffers(world, descriptor, device, *static_cast<v4l2_requestbuffers*>(argument));
+    case VIDIOC_QUERYBUF:
+      tell_buffer(world, device, *static_cast<v4l2_buffer*>(argument));
       return 0;
-    }
     case VIDIOC_QBUF:
       device.queued.push_back(static_cast<v4l2_buffer*>(argument)->index);
       return 0;

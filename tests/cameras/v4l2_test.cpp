@@ -195,6 +195,13 @@ TEST_F(V4l2Test, ACameraThatStopsSendingIsLost) {
   EXPECT_EQ(take()->size(), 2);
 }
 
+TEST_F(V4l2Test, ThatSendsNothingWholeSaysSo) {
+  send(1);
+  settings_["damage"] = "0";
+  EXPECT_THAT(record(0, "&timeout_s=0.3"), FailedWith("has sent no whole frame for 0.3 s"));
+  EXPECT_FALSE(std::filesystem::exists(path("take.h5")));
+}
+
 TEST_F(V4l2Test, CtrlCEndsItCleanly) {
   send(20);
   settings_["interval_ms"] = "10";

@@ -61,6 +61,14 @@ Arrived record_stream(FrameStream& stream, const RecordArguments& arguments, Fra
   return arrived;
 }
 
+/// Why not all is recorded that was to be; empty where it is.
+std::string fault_of(const Arrived& arrived, const std::string& source) {
+  if (!arrived.why_camera_is_lost.empty()) return arrived.why_camera_is_lost;
+  if (arrived.unreadable == 0) return {};
+  return fmt::format("{}: {} frames could not be read; the first: {}", source, arrived.unreadable,
+                     arrived.fault);
+}
+
 void run_record_verb(const RecordArguments& arguments) {
   if (!arguments.rest.empty()) {
     fmt::print("{}: {} frames\n", arguments.rest.string(), finish_recording(arguments.rest));
@@ -69,18 +77,16 @@ void run_record_verb(const RecordArguments& arguments) {
   const auto stream = open_stream(arguments.source);
   FrameRecorder recorder(arguments.out);
   const Arrived arrived = record_stream(*stream, arguments, recorder);
-  set_interrupted(false);  // what is recorded is made whole
+  const std::string fault = fault_of(arrived, arguments.source);
+  if (arrived.frames == 0 && !fault.empty()) fail("{}", fault);  // it says more than that there is no frame
+  set_interrupted(false);                                        // what is recorded is made whole
   finish_recording_of(recorder, arguments.out);
   const RecordingState state = recorder.state();
   fmt::print("{}: {} of {} frames in {:.1f} s\n", arguments.out.string(), state.frames, arrived.frames,
              arrived.seconds);
   if (const std::int64_t lost = stream->lost_frames(); lost > 0)
     fmt::print(stderr, "warning: the camera lost {} frames on the way\n", lost);
-  if (!arrived.why_camera_is_lost.empty()) fail("{}", arrived.why_camera_is_lost);
-  if (arrived.unreadable > 0) {
-    fail("{}: {} frames could not be read; the first: {}", arguments.source, arrived.unreadable,
-         arrived.fault);
-  }
+  if (!fault.empty()) fail("{}", fault);
 }
 
 }  // namespace

@@ -110,18 +110,16 @@ std::vector<TrainingMetrics> run_detector_training(const DetectorTrainingConfig&
                                                    const NetworkTrainingRun& run) {
   const DetectorFrames training(config.source, config.network, config.samples.most);
   const DetectorFrames validating(config.validation, config.network, config.samples.most_validation);
-  if (!config.samples.stream) require_memory(config, training.size(), validating.size());
-  const std::int64_t at_once =
-      config.samples.stream ? most_at_once(config, validating.size()) : training.size();
-  const DetectorSamples validation = samples_of(validating);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
   if (config.samples.stream) {
-    return train_detector(config.network, config.training, config.augmentation, training, at_once, validation,
-                          begun);
+    const std::int64_t at_once = most_at_once(config, validating.size());
+    return train_detector(config.network, config.training, config.augmentation, training, at_once,
+                          samples_of(validating), begun);
   }
+  require_memory(config, training.size(), validating.size());
   return train_detector(config.network, config.training, config.augmentation, samples_of(training),
-                        validation, begun);
+                        samples_of(validating), begun);
 }
 
 }  // namespace knuckle

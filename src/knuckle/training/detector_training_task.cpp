@@ -13,6 +13,7 @@
 #include "knuckle/segment/detector/detector_file.h"
 #include "knuckle/training/detector_network.h"
 #include "knuckle/training/detector_training.h"
+#include "knuckle/training/fetched_numbers.h"
 #include "knuckle/training/network_writer.h"
 #include "knuckle/training/torch_threads.h"
 
@@ -83,25 +84,22 @@ void DetectorSampleViews::view(std::int64_t index, Random& random, std::span<flo
 /// Some frames in memory.
 class StreamedDetectorViews::Fetched final : public SampleViews {
  public:
-  Fetched(const StreamedDetectorViews& all, std::vector<std::int64_t> numbers)
-      : numbers_(std::move(numbers)),
-        samples_(all.frames_.options(), std::ssize(numbers_)),
+  Fetched(const StreamedDetectorViews& all, std::span<const std::int64_t> indices)
+      : numbers_(indices),
+        samples_(all.frames_.options(), numbers_.size()),
         views_(samples_, all.augmentation_) {
-    parallel_for(
-        size(), [&](std::int64_t i) { all.frames_.put(numbers_[static_cast<std::size_t>(i)], samples_, i); });
+    parallel_for(size(), [&](std::int64_t i) { all.frames_.put(numbers_[i], samples_, i); });
   }
-  std::int64_t size() const override { return std::ssize(numbers_); }
+  std::int64_t size() const override { return numbers_.size(); }
   std::vector<std::int64_t> input_shape() const override { return views_.input_shape(); }
   std::vector<std::int64_t> target_shape() const override { return views_.target_shape(); }
   void view(std::int64_t index, Random& random, std::span<float> input,
             std::span<float> target) const override {
-    const auto found = std::ranges::lower_bound(numbers_, index);
-    if (found == numbers_.end() || *found != index) fail("training: sample {} was not fetched", index);
-    views_.view(found - numbers_.begin(), random, input, target);
+    views_.view(numbers_.place_of(index), random, input, target);
   }
 
  private:
-  std::vector<std::int64_t> numbers_;  ///< rising
+  FetchedNumbers numbers_;
   DetectorSamples samples_;
   DetectorSampleViews views_;
 };
@@ -122,11 +120,7 @@ void StreamedDetectorViews::view(std::int64_t index, Random& random, std::span<f
 
 std::shared_ptr<const SampleViews> StreamedDetectorViews::fetched(
     std::span<const std::int64_t> indices) const {
-  std::vector<std::int64_t> numbers(indices.begin(), indices.end());
-  std::ranges::sort(numbers);
-  const auto twice = std::ranges::unique(numbers);
-  numbers.erase(twice.begin(), twice.end());
-  return std::make_shared<const Fetched>(*this, std::move(numbers));
+  return std::make_shared<const Fetched>(*this, indices);
 }
 
 void DetectionCounts::add(const DetectionCounts& other) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/training/fetched_numbers.h"
 
 namespace knuckle {
 namespace {
@@ -37,13 +38,7 @@ bool are_of_same_sizes(const SampleStream& stream, const CubeSamples& sizes) {
 class StreamedViews::Fetched final : public SampleViews {
  public:
   Fetched(const StreamedViews& all, std::span<const std::int64_t> indices)
-      : views_(all.views_),
-        numbers_(indices.begin(), indices.end()),
-        samples_(all.sizes_),
-        count_(all.count_) {
-    std::ranges::sort(numbers_);
-    const auto twice = std::ranges::unique(numbers_);
-    numbers_.erase(twice.begin(), twice.end());
+      : views_(all.views_), numbers_(indices), samples_(all.sizes_), count_(all.count_) {
     count_->add(size());
     try {
       fetch(all);
@@ -56,14 +51,12 @@ class StreamedViews::Fetched final : public SampleViews {
   Fetched(const Fetched&) = delete;
   Fetched& operator=(const Fetched&) = delete;
 
-  std::int64_t size() const override { return std::ssize(numbers_); }
+  std::int64_t size() const override { return numbers_.size(); }
   std::vector<std::int64_t> input_shape() const override { return views_.input_shape(samples_); }
   std::vector<std::int64_t> target_shape() const override { return views_.target_shape(samples_); }
   void view(std::int64_t index, Random& random, std::span<float> input,
             std::span<float> target) const override {
-    const auto found = std::ranges::lower_bound(numbers_, index);
-    if (found == numbers_.end() || *found != index) fail("training: sample {} was not fetched", index);
-    const auto place = found - numbers_.begin();
+    const std::int64_t place = numbers_.place_of(index);
     views_.view(samples_.sample(place), samples_, is_hand_[static_cast<std::size_t>(place)], random, input,
                 target);
   }
@@ -73,12 +66,12 @@ class StreamedViews::Fetched final : public SampleViews {
     samples_ = all.sets_.front().hands->room_for(size());
     std::vector<std::int64_t> in_part;
     for (const Part& part : all.parts_) {
-      const auto place = static_cast<std::size_t>(is_hand_.size());
+      const std::int64_t place = std::ssize(is_hand_);
       in_part.clear();
-      for (std::size_t i = place; i < numbers_.size() && numbers_[i] < part.first + part.stream->size(); ++i)
+      for (std::int64_t i = place; i < size() && numbers_[i] < part.first + part.stream->size(); ++i)
         in_part.push_back(numbers_[i] - part.first);
-      part.stream->fetch(in_part, samples_, static_cast<std::int64_t>(place));
-      is_hand_.resize(place + in_part.size(), part.is_hands);
+      part.stream->fetch(in_part, samples_, place);
+      is_hand_.resize(is_hand_.size() + in_part.size(), part.is_hands);
     }
     samples_.finish();
     if (samples_.size() != size())
@@ -86,7 +79,7 @@ class StreamedViews::Fetched final : public SampleViews {
   }
 
   CropViews views_;
-  std::vector<std::int64_t> numbers_;
+  FetchedNumbers numbers_;
   CubeSamples samples_;
   std::vector<bool> is_hand_;
   std::shared_ptr<Count> count_;

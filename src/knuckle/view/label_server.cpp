@@ -38,7 +38,7 @@ std::int64_t number_in(const WebRequest& request, std::string_view name) {
   const std::string_view text = query_value(request.query, name);
   std::int64_t number = 0;
   const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || fault != std::errc() || rest != text.data() + text.size())
+  if (fault != std::errc() || rest != text.data() + text.size())
     fail("expected a whole number as '{}' in the address", name);
   return number;
 }

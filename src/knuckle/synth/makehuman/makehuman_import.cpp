@@ -50,13 +50,13 @@ bool is_merged(const MakeHumanMesh& mesh, std::int32_t bone, std::int32_t head) 
 
 std::int32_t makehuman_bone(const MakeHumanMesh& mesh, std::string_view name) {
   const auto found = std::ranges::find(mesh.bones, name);
-  if (found == mesh.bones.end()) fail("MakeHuman's mesh has no bone '{}'", name);
+  if (found == mesh.bones.end()) fail("{}: has no bone '{}'", mesh.file, name);
   return static_cast<std::int32_t>(found - mesh.bones.begin());
 }
 
 const Sources& joint_cube(const MakeHumanMesh& mesh, const std::string& joint) {
   const auto cube = mesh.joint_cubes.find(joint);
-  if (cube == mesh.joint_cubes.end()) fail("MakeHuman's mesh has no joint '{}'", joint);
+  if (cube == mesh.joint_cubes.end()) fail("{}: has no joint '{}'", mesh.file, joint);
   return cube->second;
 }
 
@@ -136,7 +136,7 @@ Skin select_skin(const MakeHumanMesh& mesh) {
 }
 
 /// The rims of the cuts: loops of vertices in the order in which the skin's faces run along them.
-std::vector<Sources> open_rims(const Skin& skin) {
+std::vector<Sources> open_rims(const Skin& skin, const std::string& file) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
   for (const auto& faces : skin.faces) {
     for (const auto& face : faces) {
@@ -155,7 +155,7 @@ std::vector<Sources> open_rims(const Skin& skin) {
       rim.push_back(step->second);
       next.erase(step);
     }
-    if (rim.size() < 4 || rim.front() != rim.back()) fail("MakeHuman's skin has a rim that does not close");
+    if (rim.size() < 4 || rim.front() != rim.back()) fail("{}: the skin has a rim that does not close", file);
     rim.pop_back();
     rims.push_back(std::move(rim));
   }
@@ -177,7 +177,7 @@ class BodyBuilder {
       }
       if (section < Skin::kSections - 1) close_section();
     }
-    for (const Sources& rim : open_rims(skin)) {
+    for (const Sources& rim : open_rims(skin, mesh_.file)) {
       const std::int32_t centre = add_point(rim, 0);
       for (std::size_t i = 0; i < rim.size(); ++i) {
         add_face({skin_vertex(rim[(i + 1) % rim.size()]), skin_vertex(rim[i]), centre}, false);
@@ -258,7 +258,7 @@ class BodyBuilder {
         same->first += weight;
       }
     }
-    if (weights.empty()) fail("MakeHuman's vertex {} has no weights", source);
+    if (weights.empty()) fail("{}: vertex {} has no weights", mesh_.file, source);
     std::ranges::stable_sort(weights, std::greater<>(), &std::pair<float, std::int32_t>::first);
     weights.resize(Body::kBonesPerVertex, {0.0f, 0});
     body_.weights.emplace_back();

@@ -326,19 +326,19 @@ class QuadPackageTest : public ::testing::Test {
 
 TEST_F(QuadPackageTest, ABoneOrJointThatIsMissingIsNamed) {
   cubes_ = "{}";
-  EXPECT_THAT(fault(), HasSubstr("has no joint 'upperleg01.R____head'"));
+  EXPECT_THAT(fault(), HasSubstr("human_full_size.json: has no joint 'upperleg01.R____head'"));
   bones_ = R"({"name": "a", "parent": -1})";
-  EXPECT_THAT(fault(), HasSubstr("has no bone 'head'"));
+  EXPECT_THAT(fault(), HasSubstr("human_full_size.json: has no bone 'head'"));
 }
 
 TEST_F(QuadPackageTest, ARimThatDoesNotCloseIsRefused) {
   quad_ = "0, 1, 2, 2";
-  EXPECT_THAT(fault(), HasSubstr("a rim that does not close"));
+  EXPECT_THAT(fault(), HasSubstr("human_full_size.json: the skin has a rim that does not close"));
 }
 
 TEST_F(QuadPackageTest, AVertexWithoutWeightsIsNamed) {
   weight_ = 0;
-  EXPECT_THAT(fault(), HasSubstr("MakeHuman's vertex 0 has no weights"));
+  EXPECT_THAT(fault(), HasSubstr("human_full_size.json: vertex 0 has no weights"));
 }
 
 TEST(MakeHumanPackageTest, TargetsOfAnotherSizeAreRefused) {

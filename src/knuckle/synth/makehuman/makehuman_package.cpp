@@ -129,6 +129,7 @@ MakeHumanMesh read_makehuman_mesh(const std::filesystem::path& package_folder) {
   const std::filesystem::path path = package_folder / "public/data/models/human_full_size.json";
   const json document = read_json(path);
   MakeHumanMesh mesh;
+  mesh.file = path.string();
   try {
     read_vertices(document, mesh);
     read_quads(document, mesh);

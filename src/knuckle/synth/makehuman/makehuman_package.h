@@ -20,6 +20,7 @@ struct MakeHumanMesh {
     std::int32_t material;  ///< index into `materials`
   };
 
+  std::string file;                                       ///< that it was read from
   std::vector<Eigen::Vector3f> vertices_mm;               ///< x to the body's left, y up, z to the front
   std::vector<Quad> quads;                                ///< counter-clockwise from outside
   std::vector<std::string> materials;                     ///< "body", "helper-tights", ...
