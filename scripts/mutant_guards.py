@@ -8,11 +8,14 @@ WITHOUT_TESTS_OF_THEIR_OWN = ("cli", "experiment", "workers")  # only whole prog
 TESTS = {  # of folders whose test programs are not named like the module; the first that fits
     "data/readers": ["readers", "writers"],
     "data/writers": ["writers"],
+    "data": ["data", "readers", "writers"],
     "storage/hdf5": ["hdf5", "readers"],
     "storage": ["storage", "forest"],
     "stream/process": ["camera_program"],
+    "stream": ["stream", "camera_program"],
     "net/layers": ["layers", "net"],
     "net/onnx": ["onnx", "net"],
+    "pipeline": ["pipeline", "track"],
 }
 
 

@@ -88,7 +88,7 @@ TEST(LeafCoding, RefusesWhatDoesNotFit) {
   const LeafTable leaves = stretched_leaves(10);
   const std::vector<float> ones(kTargets, 1.0f);
   EXPECT_THAT(error_of([&] { coded(leaves, {0.1f, {1.0f}}); }), HasSubstr("1 scales for 5 targets"));
-  EXPECT_THAT(error_of([&] { coded(leaves, {0.0f, ones}); }), HasSubstr("a step of 0"));
+  EXPECT_THAT(error_of([&] { coded(leaves, {0.0f, ones}); }), HasSubstr("a step of 0, expected more than 0"));
   EXPECT_THAT(error_of([&] { coded(leaves, {1e-9f, ones}); }), HasSubstr("too fine"));
   const CodedLeaves good = coded(leaves, {0.1f, ones});
   CodedLeaves bad = good;

@@ -325,7 +325,7 @@ TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
   EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 3.0, 0.0]"), HasSubstr("offset"));
   EXPECT_THAT(error_with("[0.00000, 0.00000, 0.00000]", "[0.0, 0.0]"), HasSubstr("offset"));
   EXPECT_THAT(error_with("bone = \"palm\"", "bone = \"palm\"\nbent = [0.0, 3.0, 0.0]"), HasSubstr("bent"));
-  EXPECT_THAT(error_with("icg20", "icg99"), HasSubstr("icg99"));
+  EXPECT_THAT(error_with("icg20", "icg99"), HasSubstr("is \"icg99\"; `knuckle info` lists"));
   EXPECT_THAT(error_with("[index_tip]", "[index_top]"), HasSubstr("lacks the table [index_tip]"));
   EXPECT_THAT(error_with("bone = \"palm\"\n", ""), HasSubstr("'bone'"));
   EXPECT_THAT(error_with("version = 1", "version = 2"), HasSubstr("version"));

@@ -9,6 +9,9 @@
 namespace knuckle {
 namespace {
 
+using testing::error_of;
+using ::testing::HasSubstr;
+
 constexpr int kFrames = 30;
 
 /// A slanted plate whose palm and index tip follow from the slant; nothing of it is symmetric.
@@ -133,6 +136,19 @@ TEST(TrainPoseForestWeights, WithoutWeightOnDepthSplitsFollowUAndVAlone) {
   }
   EXPECT_LT(error_v, 0.15);  // a constant answer has 0.5
   EXPECT_GT(error_d, 0.4);
+}
+
+TEST(PoseForest, TakesSamplesOfItsOwnSizesAlone) {
+  PoseTrainingSet set(1, convention_from_name("nyu14"), {.size_px = 8, .mean = {}, .whitening = {}});
+  HandPatch patch;
+  patch.pixels = Image<float>(8, 7);
+  const std::vector<PatchPoint> joints(14);
+  EXPECT_THAT(error_of([&] { set.set(0, patch, joints); }), HasSubstr("a patch of 8 x 7, expected 8 x 8"));
+  patch.pixels = Image<float>(7, 8);
+  EXPECT_THAT(error_of([&] { set.set(0, patch, joints); }), HasSubstr("a patch of 7 x 8, expected 8 x 8"));
+  patch.pixels = Image<float>(8, 8);
+  EXPECT_THAT(error_of([&] { set.set(0, patch, std::vector<PatchPoint>(13)); }),
+              HasSubstr("13 joints, expected the 14 of nyu14"));
 }
 
 }  // namespace

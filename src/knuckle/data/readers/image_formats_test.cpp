@@ -135,6 +135,8 @@ TEST_F(ExrHeader, AsksForNoMoreThanTheFileHolds) {
     EXPECT_THAT(error_of([&] { read_exr(path_); }),
                 HasSubstr("a.exr: cannot be read as an EXR image: it ends within its header"));
   }
+  put_file(path_, numbers({20000630, 2}) + attribute("views", "stringvector", "xy"));
+  EXPECT_THAT(error_of([&] { read_exr(path_); }), HasSubstr("it ends within its header"));
   put_file(path_, numbers({20000631, 2}));
   EXPECT_THAT(error_of([&] { read_exr(path_); }),
               HasSubstr("a.exr: cannot be read as an EXR image: it is none"));

@@ -199,7 +199,10 @@ TEST_F(MatlabArrayTest, IsReadToItsEndAndNoFarther) {
   EXPECT_THAT(error_of_file(header() + content, 5), HasSubstr("1 of its values were not read"));
   std::string short_head = content;
   short_head[4] = static_cast<char>(short_head[4] - 8);  // the array ends before its last value does
-  EXPECT_THAT(error_of_file(header() + packed(short_head)), HasSubstr("a.mat"));
+  EXPECT_THAT(error_of_file(header() + packed(short_head)), HasSubstr("is damaged: holds more than it says"));
+  std::string of_no_array = content;
+  of_no_array[0] = 13;
+  EXPECT_THAT(error_of_file(header() + packed(of_no_array)), HasSubstr("is damaged: holds no array"));
 }
 
 TEST_F(MatlabArrayTest, DamagedPackedBytesAreRefused) {

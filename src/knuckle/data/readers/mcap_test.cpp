@@ -295,6 +295,10 @@ TEST_F(McapTest, AnEndThatIsNoneIsRefused) {
   std::string of_another_size = whole;
   of_another_size[footer + 1] = 21;
   EXPECT_THAT(fault_of_bytes(of_another_size), HasSubstr("'mcap recover' mends it"));
+  std::string without_magic = whole;
+  without_magic.back() = 'x';
+  EXPECT_THAT(fault_of_bytes(without_magic), HasSubstr("'mcap recover' mends it"));
+  EXPECT_THAT(fault_of_bytes(whole.substr(0, kMagicBytes)), HasSubstr("'mcap recover' mends it"));
   std::string beyond = whole;
   beyond.replace(footer + 9, 8, little(std::uint64_t{footer} + 1));
   EXPECT_THAT(fault_of_bytes(beyond), HasSubstr("the file is damaged: its summary lies beyond its end"));

@@ -426,8 +426,10 @@ TEST_F(MkvTest, ACalibrationIsChecked) {
   without_focus.parameters[2] = 0.0;
   EXPECT_THAT(fault({.calibration = without_focus.json()}), HasSubstr("a.mkv: its calibration: "));
   std::string not_a_number = TestCalibration().json();
-  not_a_number.replace(not_a_number.find("0.5014"), 1, "\"0\"");
-  EXPECT_THAT(fault({.calibration = not_a_number}), HasSubstr("a.mkv: its calibration: "));
+  const std::size_t first = not_a_number.find("0.5014");
+  not_a_number.replace(first, not_a_number.find(',', first) - first, "\"0\"");
+  EXPECT_THAT(fault({.calibration = not_a_number}),
+              HasSubstr("parameter 0 of the depth camera is no number"));
 }
 
 TEST(AzureCalibration, OtherLensesAreTakenWhereTheyAreTheSame) {

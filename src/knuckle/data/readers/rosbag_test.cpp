@@ -12,6 +12,7 @@
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/data/readers/recording_testing.h"
+#include "knuckle/data/readers/ros_image.h"
 #include "knuckle/data/readers/rosbag_source.h"
 #include "knuckle/data/readers/unpack.h"
 
@@ -343,6 +344,14 @@ TEST_F(RosbagTest, WithoutADepthTopicItSaysWhatThereIs) {
   EXPECT_THAT(fault(infrared), HasSubstr("no depth topic"));
   BagWriter empty;
   EXPECT_THAT(fault(empty), HasSubstr("topics with images: none"));
+}
+
+TEST(RosImage, OfAnotherEncodingIsRefused) {
+  const RosImage colour{.width = 1, .height = 1, .encoding = "rgb8", .step = 3, .pixels = {}};
+  EXPECT_THAT(error_of([&] { depth_mm_of(colour, 1.0, "here"); }),
+              HasSubstr("here: has images of encoding 'rgb8', expected depth"));
+  EXPECT_THAT(error_of([&] { infrared_of(colour, "here"); }),
+              HasSubstr("here: has images of encoding 'rgb8', expected infrared"));
 }
 
 class RosbagInfrared : public RosbagTest {

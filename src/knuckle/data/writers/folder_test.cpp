@@ -141,6 +141,27 @@ TEST(Folder, RefusesToWriteATimeThatGoesBackOrIsMissingInBetween) {
               HasSubstr("frame 1 has no time, the frames before have one"));
 }
 
+TEST(Folder, RefusesToWriteAnotherConventionOrBesideAnEarlierRun) {
+  const testing::TemporaryFolder folder;
+  FolderWriter mixed(folder / "mixed", {});
+  mixed.write(0, noise_frame(small_camera(), convention_from_name("icg20"), 0));
+  EXPECT_THAT(
+      error_of([&] { mixed.write(1, noise_frame(small_camera(), convention_from_name("mediapipe21"), 1)); }),
+      HasSubstr("frame 1 is labelled in mediapipe21, frames before in icg20"));
+  FolderWriter writer(folder / "set", {});
+  writer.write(0, noise_frame(small_camera(), convention_from_name("icg20"), 0));
+  write_png(folder / "set" / "depth" / "00000007.png", Image<std::uint16_t>(24, 18, 500));
+  EXPECT_THAT(error_of([&] { writer.finish(); }), HasSubstr("holds 2 images, 1 were written"));
+}
+
+TEST(Folder, AFileInPlaceOfAFolderIsNamed) {
+  const testing::TemporaryFolder folder;
+  put_set(folder.path());
+  fs::remove_all(folder / "depth");
+  put_file(folder / "depth", "");
+  EXPECT_THAT(error_of_folder_set(folder.path()), HasSubstr("depth: is not a folder"));
+}
+
 TEST(Folder, AMistypedKeyIsNamedBeforeTheOneThatIsMissing) {
   const testing::TemporaryFolder folder;
   put_set(folder.path(), "[camera]\nwidht = 24\nheight = 18\nfx = 30\nfy = 30\ncx = 12\ncy = 9\n");
@@ -271,8 +292,10 @@ TEST(Folder, RefusesADescriptionWithFaults) {
   EXPECT_THAT(error_with("depth_unit_mm = 0\n" + good), HasSubstr("depth_unit_mm"));
   EXPECT_THAT(error_with("pixel_origin = \"middle\"\n" + good),
               AllOf(HasSubstr("middle"), HasSubstr("corner")));
-  EXPECT_THAT(error_with("[camera]\nwidth = 24\n"), AllOf(HasSubstr("dataset.toml"), HasSubstr("height")));
-  EXPECT_THAT(error_with("depth_unit_mm = 1\n"), AllOf(HasSubstr("dataset.toml"), HasSubstr("[camera]")));
+  EXPECT_THAT(error_with("[camera]\nwidth = 24\n"), HasSubstr("dataset.toml: [camera] lacks 'height'"));
+  EXPECT_THAT(error_with("depth_unit_mm = 1\n"), HasSubstr("dataset.toml: lacks the table [camera]"));
+  EXPECT_THAT(error_with("convention = \"../own.toml\"\n" + good.substr(good.find('['))),
+              HasSubstr("expected the name of a file in the same folder"));
   EXPECT_THAT(error_with("[camera]\nwidth = 24\nheight = 18\nfx = 0\nfy = 1\ncx = 0\ncy = 0\n"),
               AllOf(HasSubstr("dataset.toml"), HasSubstr("fx")));
   EXPECT_THAT(error_with(good + "width = 0\n"), HasSubstr("width"));

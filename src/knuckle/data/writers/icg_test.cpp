@@ -153,6 +153,9 @@ TEST(Icg, NamesFileAndFault) {
               AllOf(HasSubstr("_anno_me.txt"), HasSubstr("59 numbers, expected 60")));
   put_file(folder / "s1/0007_123_anno_me.txt", numbers_text(59, 1) + " many");
   EXPECT_THAT(error_of_icg_set(folder.path()), AllOf(HasSubstr("_anno_me.txt"), HasSubstr("'many'")));
+  put_file(folder / "s1/0007_123_infrared.csv", "250,249,nan,300\n300,300,300,300\n");
+  EXPECT_THAT(error_of_icg_set(folder.path()),
+              AllOf(HasSubstr("_infrared.csv"), HasSubstr("holds the value nan, expected a number")));
   put_file(folder / "s1/0007_123_infrared.csv", "1,2,3\n4,5,6\n");
   EXPECT_THAT(error_of_icg_set(folder.path()),
               AllOf(HasSubstr("_infrared.csv"), HasSubstr("3x2"), HasSubstr("4x2")));

@@ -5,6 +5,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/eval/metrics/eval_fixtures.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -185,6 +186,10 @@ TEST(FollowedHands, RecordsOfAFileMayPassFramesOverButComeInOrder) {
   write_text_file(folder / "records.jsonl", "no record\n");
   EXPECT_THAT(error_of([&] { records_from_file(folder / "records.jsonl", 4); }),
               HasSubstr("records.jsonl:1"));
+}
+
+TEST(FollowedHands, NeedATruth) {
+  EXPECT_THAT(error_of([] { true_hands(testing::FakeSource()); }), HasSubstr("the source has no truth"));
 }
 
 }  // namespace

@@ -2,48 +2,12 @@
 #include "knuckle/net/layers/convolution.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <utility>
 
-#include "knuckle/core/error.h"
+#include "knuckle/net/layers/lane_products.h"
 
 namespace knuckle {
 namespace {
-
-// A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
-// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another,
-// and each number read serves several of them.
-constexpr int kPixelsPerBlock = kLanes == 16 ? 12 : 6;
-constexpr int kVectorsPerBlock = 2;
-constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;
-
-/// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie one after another.
-struct Window {
-  const float* input;           // of the first pixel
-  std::ptrdiff_t pixel_stride;  // from one output's input to the next one's
-  std::ptrdiff_t row_stride;
-  int rows;
-  int numbers_per_row;
-};
-
-template <int kPixels, int kVectors>
-using Sums = FloatLanes[kPixels][kVectors];
-
-template <int kPixels, int kVectors>
-inline void add_products(const Window& window, const float* weights, Sums<kPixels, kVectors>& sums) {
-  const float* row = window.input;
-  for (int y = 0; y < window.rows; ++y, row += window.row_stride) {
-    for (int i = 0; i < window.numbers_per_row; ++i, weights += kVectors * kLanes) {
-      FloatLanes weight[kVectors];
-      for (int v = 0; v < kVectors; ++v) weight[v] = load_lanes(weights + v * kLanes);
-      for (int p = 0; p < kPixels; ++p) {
-        const FloatLanes value = all_lanes(row[p * window.pixel_stride + i]);
-        for (int v = 0; v < kVectors; ++v) sums[p][v] = multiply_add(value, weight[v], sums[p][v]);
-      }
-    }
-  }
-}
 
 /// Where a few pixels' outputs go, and what is added to them (or null).
 struct Target {
@@ -54,59 +18,62 @@ struct Target {
   Activation activation;
 };
 
-template <int kPixels, int kVectors>
-void convolve_pixels(const Window& window, const float* weights, const float* bias, const Target& target) {
-  Sums<kPixels, kVectors> sums;
-  for (int p = 0; p < kPixels; ++p) {
-    for (int v = 0; v < kVectors; ++v) sums[p][v] = load_lanes(bias + v * kLanes);
-  }
-  add_products<kPixels, kVectors>(window, weights, sums);
-  for (int p = 0; p < kPixels; ++p) {
-    for (int v = 0; v < kVectors; ++v) {
-      FloatLanes value = sums[p][v];
-      if (target.added != nullptr) value += load_lanes(target.added + p * target.added_stride + v * kLanes);
-      if (target.activation == Activation::relu) value = larger_lanes(FloatLanes{}, value);
-      store_lanes(target.output + p * target.output_stride + v * kLanes, value);
+/// The outputs of a few pixels.
+struct ConvolvedPixels {
+  template <int kPixels, int kVectors>
+  static void run(const Window& window, const float* weights, const float* bias, const Target& target) {
+    Sums<kPixels, kVectors> sums;
+    for (int p = 0; p < kPixels; ++p) {
+      for (int v = 0; v < kVectors; ++v) sums[p][v] = load_lanes(bias + v * kLanes);
+    }
+    add_products<kPixels, kVectors>(window, weights, sums);
+    for (int p = 0; p < kPixels; ++p) {
+      for (int v = 0; v < kVectors; ++v) {
+        const float* const added =
+            target.added == nullptr ? nullptr : target.added + p * target.added_stride + v * kLanes;
+        store_lanes(target.output + p * target.output_stride + v * kLanes,
+                    activated(sums[p][v], added, target.activation));
+      }
     }
   }
-}
+};
 
-using ConvolvePixels = void (*)(const Window&, const float*, const float*, const Target&);
-
-template <int kVectors, int... kFewer>
-constexpr std::array<ConvolvePixels, sizeof...(kFewer)> by_pixels(std::integer_sequence<int, kFewer...>) {
-  return {convolve_pixels<kFewer + 1, kVectors>...};
-}
-
-/// By the number of pixels, from one on.
 template <int kVectors>
-constexpr auto kConvolvePixels = by_pixels<kVectors>(std::make_integer_sequence<int, kPixelsPerBlock>{});
+constexpr auto kConvolvedPixels = loops_by_pixels<ConvolvedPixels, kVectors>();
+
+/// Below so many inputs the transforms take more time than they save.
+constexpr int kLeastInputsOfWinograd = 16;
+/// Inputs times outputs, of which each has 36 numbers. More would not stay in the second cache (2 MB) until
+/// they are needed again, and maps of so many channels have but a few tiles to use them for.
+constexpr int kMostKernelsOfTile4 = 12000;
+
+bool suits_winograd(const Convolution::Shape& shape, int input_stride) {
+  return shape.kernel == 3 && shape.stride == 1 && shape.padding == 1 &&
+         shape.inputs >= kLeastInputsOfWinograd && input_stride == whole_lanes(shape.inputs);
+}
 
 }  // namespace
 
 Convolution::Convolution(const Shape& shape, int input_stride, std::span<const float> weights,
                          std::span<const float> bias)
     : shape_(shape), input_stride_(input_stride), bias_(bias.begin(), bias.end()) {
-  const int outputs = whole_lanes(shape.outputs);
-  const int window = shape.kernel * shape.kernel;
-  bias_.resize(static_cast<std::size_t>(outputs));
-  weights_.resize(static_cast<std::size_t>(outputs) * window * input_stride);
-  for (int output = 0; output < shape.outputs; ++output) {
-    const int first = output / kOutputsPerBlock * kOutputsPerBlock;
-    const int width = std::min(kOutputsPerBlock, outputs - first);
-    float* const block = weights_.data() + static_cast<std::size_t>(first) * window * input_stride;
-    for (int input = 0; input < shape.inputs; ++input) {
-      for (int k = 0; k < window; ++k) {
-        const std::size_t from = (static_cast<std::size_t>(output) * shape.inputs + input) * window + k;
-        const std::size_t place = static_cast<std::size_t>(k) * input_stride + input;
-        block[place * width + (output - first)] = weights[from];
-      }
-    }
+  bias_.resize(static_cast<std::size_t>(whole_lanes(shape.outputs)));
+  if (!suits_winograd(shape, input_stride)) {
+    const int window = shape.kernel * shape.kernel;
+    weights_ = weights_in_blocks(weights, shape.outputs, shape.inputs, window, input_stride);
+  } else if (shape.inputs * shape.outputs <= kMostKernelsOfTile4) {
+    winograd_.emplace<WinogradConvolution<Tile4>>(shape.inputs, shape.outputs, input_stride, weights, bias);
+  } else {
+    winograd_.emplace<WinogradConvolution<Tile2>>(shape.inputs, shape.outputs, input_stride, weights, bias);
   }
 }
 
 void Convolution::apply(const FeatureMap& input, FeatureMap& output, Activation activation,
                         const FeatureMap* added) const {
+  if (const auto* const tile2 = std::get_if<WinogradConvolution<Tile2>>(&winograd_))
+    return tile2->apply(input, output, activation, added);
+  if (const auto* const tile4 = std::get_if<WinogradConvolution<Tile4>>(&winograd_))
+    return tile4->apply(input, output, activation, added);
   const int outputs = whole_lanes(shape_.outputs);
   int first = 0;
   for (; first + kOutputsPerBlock <= outputs; first += kOutputsPerBlock) {
@@ -132,7 +99,7 @@ void Convolution::apply_block(const FeatureMap& input, FeatureMap& output, Activ
       const Target target{output.pixel(row, column) + first_output,
                           added == nullptr ? nullptr : added->pixel(row, column) + first_output,
                           output.pixel_stride(), added == nullptr ? 0 : added->pixel_stride(), activation};
-      kConvolvePixels<kVectors>[pixels - 1](window, weights, bias, target);
+      kConvolvedPixels<kVectors>[static_cast<std::size_t>(pixels) - 1](window, weights, bias, target);
     }
   }
 }

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <span>
-#include <vector>
+#include <variant>
 
+#include "knuckle/net/layers/activation.h"
 #include "knuckle/net/layers/aligned_vector.h"
 #include "knuckle/net/layers/feature_map.h"
+#include "knuckle/net/layers/winograd_convolution.h"
 
 namespace knuckle {
-
-/// What follows a layer.
-enum class Activation { relu, linear };
 
 /// A convolution with its bias, and what follows it: output = activation(convolution(input) + bias + added).
 class Convolution {
@@ -47,9 +46,10 @@ class Convolution {
 
   Shape shape_;
   int input_stride_;
-  AlignedVector weights_;  // outputs in blocks of two vectors (the last one maybe one); each: kernel
-                           // rows, columns, inputs, outputs of the block
-  std::vector<float> bias_;
+  AlignedVector weights_;  // as weights_in_blocks orders them, for kernel rows and columns
+  AlignedVector bias_;
+  /// Does it instead, where it can.
+  std::variant<std::monostate, WinogradConvolution<Tile2>, WinogradConvolution<Tile4>> winograd_;
 };
 
 }  // namespace knuckle
