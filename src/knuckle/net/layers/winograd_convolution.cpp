@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kKernel = 9;  // weights of an input and an output
 /// Tiles that are worked on together: they share what is read of the weights, and stay in the second cache.
-constexpr int kTilesPerStrip = 2 * kPixelsPerBlock;
+constexpr int kTilesPerStrip = 4 * kPixelsPerBlock;
 /// Numbers between points in memory: at the distance of a power of two they would compete for the same lines.
 constexpr int kPadding = kLanes;
 
