@@ -36,19 +36,24 @@ class PosedFlesh {
   SurfaceContact floating(const HandSurface& surface, int number) const;
 
  private:
-  /// A line between two landmarks and the radii along it.
-  struct Cone {
-    Point3 from;
-    Eigen::Vector3d axis;  ///< of length 1
-    double length;
-    double radius;   ///< where it begins
-    double growth;   ///< of the radius along the line [mm/mm]
-    double leaning;  ///< how far along the line, per distance from it, the skin's normal leads
+  /// Room for all lines, in whole registers.
+  static constexpr std::size_t kRoom = (kFleshCount + 7) / 8 * 8;
+  using Numbers = std::array<double, kRoom>;
+  /// Lines between two landmarks and the radii along them, in columns: all are gone through for each point.
+  struct Cones {
+    std::array<Numbers, 3> from;
+    std::array<Numbers, 3> axis;  ///< of length 1
+    Numbers length;
+    Numbers radius;   ///< where it begins
+    Numbers growth;   ///< of the radius along the line [mm/mm]
+    Numbers leaning;  ///< how far along the line, per distance from it, the skin's normal leads
   };
 
+  /// The point on a line that lies so far from its beginning.
+  Point3 on_line(std::size_t number, double place_mm) const;
   SurfaceContact contact(std::size_t number, double share, const Point3& point) const;
 
-  std::array<Cone, kFleshCount> cones_;
+  Cones cones_{};
 };
 
 }  // namespace knuckle
