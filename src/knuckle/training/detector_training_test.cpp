@@ -302,6 +302,9 @@ TEST_F(DetectorTraining, NeedsSamplesAndRoomForThem) {
   config.samples = {.most = 2, .most_validation = 1, .memory_gb = 1e-6};
   EXPECT_THAT(error_of([&] { run_detector_training(config, run); }),
               AllOf(HasSubstr("3 samples take"), HasSubstr("more than memory_gb, 1e-06")));
+  config.samples.stream = true;
+  EXPECT_THAT(error_of([&] { run_detector_training(config, run); }),
+              HasSubstr("1 samples of the validation and two batches of"));
 }
 
 TEST(DetectionCounts, OfHandsFoundMissedAndInvented) {

@@ -214,6 +214,16 @@ TEST(H5, RefusesToWriteATimeThatGoesBack) {
   EXPECT_FALSE(fs::exists(folder / "a.h5"));
 }
 
+TEST(H5, RefusesToEndWithAFrameLeftOut) {
+  const testing::TemporaryFolder folder;
+  FrameWriterOptions options = options_for(0, 2);
+  options.count = 0;  // nobody knows how many will come
+  H5Writer writer(folder / "a.h5", options);
+  writer.write(0, noisy_frame(0));
+  writer.write(2, noisy_frame(2));
+  EXPECT_THAT(error_of([&] { writer.finish(); }), HasSubstr("a.h5: frame 1 was not written"));
+}
+
 TEST(H5, AFileThatShrinksOrGrowsAfterOpeningIsAFaultOfEveryFrame) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
