@@ -20,6 +20,11 @@ for file in "${sources[@]}"; do
 done
 [ "$unused" = 0 ]
 
+# What two headers define by one name: the linker takes one for the other, without a word.
+defined_in() { sed -nE 's/^(struct|class|enum class|inline constexpr [^=]*[ >]) *(k?[A-Z][A-Za-z0-9]*)( .*)?[={].*/\2/p' "$1" | sort -u; }
+twice=$(git ls-files 'src/*.h' | grep -v testing | while read -r file; do defined_in "$file"; done | sort | uniq -d)
+[ -z "$twice" ] || { echo "defined in two headers: $twice"; exit 1; }
+
 # clang-tidy takes most of its time for the headers that a source includes, so it looks at the groups of sources that the build
 # makes: a third of the time, and the same findings in each. What it no longer notices is an include that a source borrows from a
 # neighbour in its group; building with KNUCKLE_UNITY=OFF does. Two of its checks look at the file alone that it is given: those

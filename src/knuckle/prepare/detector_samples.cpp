@@ -18,7 +18,7 @@ constexpr double kLeastExtentMm = 20.0;     // of a truth of few landmarks
 constexpr double kLeastVisibleShare = 0.2;  // of a hand that has to be found
 
 /// Centre and extent of the landmarks that are known; nothing where none is, or lies behind the camera.
-std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& projection) {
+std::optional<HandToDetect> hand_of(const HandPose& pose, const Projection& projection) {
   std::vector<Point3> points;
   Point3 sum = Point3::Zero();
   for (const ImagePoint& joint : pose.joints) {
@@ -27,7 +27,7 @@ std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& proj
     sum += points.back();
   }
   if (points.empty()) return std::nullopt;
-  LabelledHand hand;
+  HandToDetect hand;
   hand.centre = sum / static_cast<double>(points.size());
   if (!hand.centre.allFinite() || hand.centre.z() <= 0.0) return std::nullopt;
   hand.extent_mm = kLeastExtentMm;
@@ -37,18 +37,18 @@ std::optional<LabelledHand> hand_of(const HandPose& pose, const Projection& proj
 
 }  // namespace
 
-std::vector<LabelledHand> labelled_hands(const Frame& frame) {
+std::vector<HandToDetect> hands_to_detect(const Frame& frame) {
   const Projection projection(frame.camera);
-  std::vector<LabelledHand> labelled;
+  std::vector<HandToDetect> labelled;
   for (const HandTruth& truth : frame.hands) {
-    std::optional<LabelledHand> hand = hand_of(truth.pose, projection);
+    std::optional<HandToDetect> hand = hand_of(truth.pose, projection);
     if (!hand) continue;
     hand->side = truth.side;
     hand->counts = truth.visible_share >= kLeastVisibleShare;
     labelled.push_back(*hand);
   }
   if (!frame.hands.empty() || !frame.truth) return labelled;
-  std::optional<LabelledHand> hand = hand_of(*frame.truth, projection);
+  std::optional<HandToDetect> hand = hand_of(*frame.truth, projection);
   if (!hand) return labelled;
   hand->side = frame.side;
   labelled.push_back(*hand);
@@ -85,7 +85,7 @@ DetectorSample DetectorSamples::sample(std::int64_t index) const {
           std::span(hands_).subspan(i * kNumbers, kNumbers)};
 }
 
-LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const DetectorView& view) {
+LabelledHands hand_numbers(const std::vector<HandToDetect>& hands, const DetectorView& view) {
   LabelledHands numbers;
   numbers.fill(static_cast<float>(kNaN));
   const std::size_t count = std::min(hands.size(), kMostLabelledHands);
@@ -114,7 +114,7 @@ DetectorFrames::DetectorFrames(const std::string& source, const DetectorOptions&
 void DetectorFrames::put(std::int64_t number, DetectorSamples& to, std::int64_t place) const {
   const Frame frame = source_->read(number * source_->size() / count_);
   const std::shared_ptr<const DetectorView> view = views_.of(frame.camera);
-  to.set(place, view->shrink(frame.depth_mm), hand_numbers(labelled_hands(frame), *view));
+  to.set(place, view->shrink(frame.depth_mm), hand_numbers(hands_to_detect(frame), *view));
 }
 
 DetectorSamples samples_of(const DetectorFrames& frames) {

@@ -17,7 +17,7 @@
 namespace knuckle {
 
 /// A hand of a frame, as a detector learns it.
-struct LabelledHand {
+struct HandToDetect {
   Point3 centre = Point3::Zero();  ///< the mean of its known landmarks, in camera coordinates [mm]
   double extent_mm = 0.0;          ///< from there to the farthest one
   std::optional<HandSide> side;    ///< nothing: not known
@@ -26,7 +26,7 @@ struct LabelledHand {
 
 /// The hands of a frame that are known: `Frame::hands`, or that of `Frame::truth` where those are not known.
 /// Of which nearly all is hidden by something else, a hand does not count.
-std::vector<LabelledHand> labelled_hands(const Frame& frame);
+std::vector<HandToDetect> hands_to_detect(const Frame& frame);
 
 // Numbers that a hand is learned from. All are of the network's small picture.
 inline constexpr std::size_t kHandU = 0;             ///< of the centre [cells]
@@ -78,7 +78,7 @@ class DetectorSamples {
 };
 
 /// The numbers of a frame's hands in a view of its camera.
-LabelledHands hand_numbers(const std::vector<LabelledHand>& hands, const DetectorView& view);
+LabelledHands hand_numbers(const std::vector<HandToDetect>& hands, const DetectorView& view);
 
 /// Frames of a source as samples, read and shrunk each time that they are asked for. Frames without a hand
 /// are samples too. Safe to be used by many threads at once.

@@ -39,7 +39,7 @@ DetectorSamples detector_samples_of(const std::vector<Frame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const DetectorView view({}, frames[i].camera);
     samples.set(static_cast<std::int64_t>(i), view.shrink(frames[i].depth_mm),
-                hand_numbers(labelled_hands(frames[i]), view));
+                hand_numbers(hands_to_detect(frames[i]), view));
   }
   return samples;
 }
@@ -57,23 +57,23 @@ TEST(DetectorSamplesOfASource, WithoutTruthAreRefused) {
 }
 
 TEST(LabelledHands, CentreAndExtentAreThoseOfTheKnownLandmarks) {
-  const std::vector<LabelledHand> hands = labelled_hands(ball_frame({30, -20, 600}, HandSide::left));
+  const std::vector<HandToDetect> hands = hands_to_detect(ball_frame({30, -20, 600}, HandSide::left));
   ASSERT_EQ(hands.size(), 1u);
   EXPECT_LT((hands[0].centre - Point3(30, -20, 600)).norm(), 1e-6);
   EXPECT_NEAR(hands[0].extent_mm, 40.0, 1e-6);
   EXPECT_EQ(hands[0].side, HandSide::left);
-  EXPECT_TRUE(labelled_hands(blank_frame(quarter_vga_camera())).empty());
+  EXPECT_TRUE(hands_to_detect(blank_frame(quarter_vga_camera())).empty());
   Frame unknown = ball_frame({30, -20, 600}, std::nullopt);
-  EXPECT_FALSE(labelled_hands(unknown)[0].side.has_value());
+  EXPECT_FALSE(hands_to_detect(unknown)[0].side.has_value());
   unknown.truth = HandPose::missing(convention_from_name("knuckle22"));
-  EXPECT_TRUE(labelled_hands(unknown).empty());
+  EXPECT_TRUE(hands_to_detect(unknown).empty());
 }
 
 TEST(LabelledHands, AllHandsOfAFrameAreKnownAndTheHiddenDoNotCount) {
   Frame frame = ball_frame({30, -20, 600}, HandSide::left);
   const Frame other = ball_frame({-90, 10, 700}, HandSide::right);
   frame.hands = {{HandSide::left, *frame.truth, {}, 0.9}, {HandSide::right, *other.truth, {}, 0.05}};
-  const std::vector<LabelledHand> hands = labelled_hands(frame);
+  const std::vector<HandToDetect> hands = hands_to_detect(frame);
   ASSERT_EQ(hands.size(), 2u);
   EXPECT_LT((hands[0].centre - Point3(30, -20, 600)).norm(), 1e-6);
   EXPECT_LT((hands[1].centre - Point3(-90, 10, 700)).norm(), 1e-6);

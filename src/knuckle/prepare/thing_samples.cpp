@@ -22,7 +22,7 @@ constexpr DetectionOptions kAnythingLikeAHand{.min_score = 0.01};
 class ThingFinder {
  public:
   ThingFinder(const Frame& frame, const HandDetector& detector, Random& random)
-      : frame_(frame), detector_(detector), random_(random), hands_(labelled_hands(frame)) {}
+      : frame_(frame), detector_(detector), random_(random), hands_(hands_to_detect(frame)) {}
 
   std::optional<Point3> find() {
     const bool is_sought = random_.below(2) == 0;
@@ -37,7 +37,7 @@ class ThingFinder {
  private:
   bool is_far_from_hands(const Point3& place) const {
     return std::ranges::all_of(
-        hands_, [&](const LabelledHand& hand) { return (hand.centre - place).norm() > kFarFromHandsMm; });
+        hands_, [&](const HandToDetect& hand) { return (hand.centre - place).norm() > kFarFromHandsMm; });
   }
 
   std::optional<Point3> random_place() {
@@ -57,7 +57,7 @@ class ThingFinder {
   const Frame& frame_;
   const HandDetector& detector_;
   Random& random_;
-  std::vector<LabelledHand> hands_;
+  std::vector<HandToDetect> hands_;
 };
 
 class ThingCutter final : public SampleCutter {

@@ -50,7 +50,7 @@ DetectorSamples detector_samples_of(const std::vector<Frame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const DetectorView view(small_detector(), frames[i].camera);
     samples.set(static_cast<std::int64_t>(i), view.shrink(frames[i].depth_mm),
-                hand_numbers(labelled_hands(frames[i]), view));
+                hand_numbers(hands_to_detect(frames[i]), view));
   }
   return samples;
 }
@@ -271,7 +271,7 @@ TEST_F(DetectorTraining, LearnsToFindMadeUpHands) {
   const Frame frame = labelled_frame(2);
   const std::vector<DetectedHand> hands = detector.detect(frame, {});
   ASSERT_EQ(hands.size(), 1u);
-  const LabelledHand truth = labelled_hands(frame).at(0);
+  const HandToDetect truth = hands_to_detect(frame).at(0);
   EXPECT_LT((hands[0].centre - truth.centre).norm(), 40.0);
   EXPECT_NEAR(hands[0].extent_mm, truth.extent_mm, 20.0);
 }
@@ -311,7 +311,7 @@ TEST(DetectionCounts, OfHandsFoundMissedAndInvented) {
   const DetectorOptions options;
   const DetectorView view(options, camera_of_picture(options));
   EXPECT_EQ(view.scale(), 1.0);
-  const std::vector<LabelledHand> truth = {{Point3(-100, 0, 600), 80.0, HandSide::right, true},
+  const std::vector<HandToDetect> truth = {{Point3(-100, 0, 600), 80.0, HandSide::right, true},
                                            {Point3(120, 0, 600), 80.0, HandSide::left, true},
                                            {Point3(0, 150, 700), 80.0, std::nullopt, false}};
   const LabelledHands hands = hand_numbers(truth, view);

@@ -76,8 +76,8 @@ void Convolution::apply(const FeatureMap& input, FeatureMap& output, Activation 
     return tile4->apply(input, output, activation, added);
   const int outputs = whole_lanes(shape_.outputs);
   int first = 0;
-  for (; first + kOutputsPerBlock <= outputs; first += kOutputsPerBlock) {
-    apply_block<kVectorsPerBlock>(input, output, activation, added, first);
+  for (; first + kOutputsTogether <= outputs; first += kOutputsTogether) {
+    apply_block<kVectorsTogether>(input, output, activation, added, first);
   }
   if (first < outputs) apply_block<1>(input, output, activation, added, first);
 }
@@ -90,8 +90,8 @@ void Convolution::apply_block(const FeatureMap& input, FeatureMap& output, Activ
   const float* const bias = bias_.data() + first_output;
   const auto input_stride = static_cast<std::ptrdiff_t>(shape_.stride) * input_stride_;
   for (int row = 0; row < output.height(); ++row) {
-    for (int column = 0; column < output.width(); column += kPixelsPerBlock) {
-      const int pixels = std::min(kPixelsPerBlock, output.width() - column);
+    for (int column = 0; column < output.width(); column += kPixelsTogether) {
+      const int pixels = std::min(kPixelsTogether, output.width() - column);
       const float* const corner =
           input.pixel(row * shape_.stride - shape_.padding, column * shape_.stride - shape_.padding);
       const Window window{corner, input_stride, input.row_stride(), shape_.kernel,

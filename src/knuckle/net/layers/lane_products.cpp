@@ -10,8 +10,8 @@ AlignedVector weights_in_blocks(std::span<const float> weights, int outputs, int
   const int padded_outputs = whole_lanes(outputs);
   AlignedVector blocks(static_cast<std::size_t>(padded_outputs) * window * input_stride);
   for (int output = 0; output < outputs; ++output) {
-    const int first = output / kOutputsPerBlock * kOutputsPerBlock;
-    const int width = std::min(kOutputsPerBlock, padded_outputs - first);
+    const int first = output / kOutputsTogether * kOutputsTogether;
+    const int width = std::min(kOutputsTogether, padded_outputs - first);
     float* const block = blocks.data() + static_cast<std::size_t>(first) * window * input_stride;
     for (int input = 0; input < inputs; ++input) {
       for (int k = 0; k < window; ++k) {

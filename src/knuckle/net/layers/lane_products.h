@@ -15,9 +15,9 @@ namespace knuckle {
 // A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
 // registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another,
 // and each number read serves several of them.
-inline constexpr int kPixelsPerBlock = kLanes == 16 ? 12 : 6;
-inline constexpr int kVectorsPerBlock = 2;
-inline constexpr int kOutputsPerBlock = kVectorsPerBlock * kLanes;
+inline constexpr int kPixelsTogether = kLanes == 16 ? 12 : 6;
+inline constexpr int kVectorsTogether = 2;
+inline constexpr int kOutputsTogether = kVectorsTogether * kLanes;
 
 /// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie one after another.
 struct Window {
@@ -53,7 +53,7 @@ constexpr auto loops_by_pixels() {
   return []<int... kFewer>(std::integer_sequence<int, kFewer...>) {
     return std::array{&Loop::template run<kFewer + 1, kVectors>...};
   }
-  (std::make_integer_sequence<int, kPixelsPerBlock>{});
+  (std::make_integer_sequence<int, kPixelsTogether>{});
 }
 
 /// Numbers of outputs x inputs x window, as in a file, in the order in which add_products reads them: outputs

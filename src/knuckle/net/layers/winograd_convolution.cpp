@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kKernel = 9;  // weights of an input and an output
 /// Tiles that are worked on together: they share what is read of the weights, and stay in the second cache.
-constexpr int kTilesPerStrip = 4 * kPixelsPerBlock;
+constexpr int kTilesPerStrip = 4 * kPixelsTogether;
 /// Numbers between points in memory: at the distance of a power of two they would compete for the same lines.
 constexpr int kPadding = kLanes;
 
@@ -104,7 +104,7 @@ struct WinogradConvolution<Tile>::Workspace {
       if (numbers.size() < count) numbers.resize(count);
     };
     enough(inputs, kPoints<Tile> * static_cast<std::size_t>(kTilesPerStrip * input_stride + kPadding));
-    enough(products, kPoints<Tile> * static_cast<std::size_t>(kTilesPerStrip * kOutputsPerBlock + kPadding));
+    enough(products, kPoints<Tile> * static_cast<std::size_t>(kTilesPerStrip * kOutputsTogether + kPadding));
     enough(outside, static_cast<std::size_t>(input_stride));
   }
 };
@@ -135,8 +135,8 @@ void WinogradConvolution<Tile>::apply(const FeatureMap& input, FeatureMap& outpu
     const Strip strip{input, output, added, activation, first, first_of_part(i + 1, tiles, strips) - first};
     transform_inputs(strip, workspace);
     int block = 0;
-    for (; block + kOutputsPerBlock <= outputs; block += kOutputsPerBlock)
-      apply_block<kVectorsPerBlock>(strip, workspace, block);
+    for (; block + kOutputsTogether <= outputs; block += kOutputsTogether)
+      apply_block<kVectorsTogether>(strip, workspace, block);
     if (block < outputs) apply_block<1>(strip, workspace, block);
   }
 }
@@ -172,7 +172,7 @@ template <int kVectors>
 void WinogradConvolution<Tile>::apply_block(const Strip& strip, Workspace& workspace,
                                             int first_output) const {
   constexpr int kOutputs = kVectors * kLanes;
-  const int parts = parts_of(strip.count, kPixelsPerBlock);
+  const int parts = parts_of(strip.count, kPixelsTogether);
   const float* weights = weights_.data() + static_cast<std::size_t>(first_output) * kPoints<Tile> *
                                                static_cast<std::size_t>(input_stride_);
   const float* inputs = workspace.inputs.data();
