@@ -19,6 +19,7 @@ the list. Exit status: 0 where all were noticed, 1 where not, 2 for a wrong list
 """
 import argparse
 import collections
+import contextlib
 import dataclasses
 import itertools
 import json
@@ -29,6 +30,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import tomllib
 
@@ -144,9 +146,8 @@ class Workshop:
         data = os.environ.get("KNUCKLE_SHARED_DATA", str(ROOT.parent / "shared" / "data"))
         environment = {**os.environ, "KNUCKLE_SHARED_DATA": data, "GTEST_FILTER": tests, "GTEST_OUTPUT": f"json:{report}",
                        **({} if guard is None else {SWITCH_NAME: str(guard)})}
-        return subprocess.run([self.build / "bin" / f"knuckle_{module}_test", "--gtest_fail_fast", "--gtest_color=no"],
-                              cwd=self.source, capture_output=True, timeout=longest_s, env=environment,
-                              preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        command = [self.build / "bin" / f"knuckle_{module}_test", "--gtest_fail_fast", "--gtest_color=no"]
+        return run_to_its_end(command, longest_s, self.source, environment)
 
     def failing_test(self, module, guard=None):
         """The first test that fails, quick ones first; "" where none does."""
@@ -224,6 +225,22 @@ class Workshop:
                 errors = [line for line in self.log.splitlines() if " error: " in line]
                 yield change, "broken", f"does not compile: {errors[0] if errors else self.log[-300:]}"
             self.restore(change.file)
+
+
+def run_to_its_end(command, longest_s, folder, environment):
+    """The finished process. What it started and left behind, as a test that fails does, ends with it."""
+    with tempfile.TemporaryFile() as output:  # a pipe would stay open as long as what was left behind
+        process = subprocess.Popen(command, cwd=folder, stdout=output, stderr=subprocess.DEVNULL, env=environment,
+                                   start_new_session=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        try:
+            process.wait(longest_s)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        output.seek(0)
+        return subprocess.CompletedProcess(command, process.returncode, output.read())
 
 
 def name_of_failed(process):
