@@ -12,12 +12,12 @@
 
 namespace knuckle {
 
-// A few pixels by two vectors of outputs are worked on together. Their sums fill three quarters of the
-// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another,
-// and each number read serves several of them.
+/// Pixels that are worked on together, by two vectors of outputs. Their sums fill three quarters of the
+/// registers (16 in AVX, 32 in AVX-512), so that two multiply-adds per cycle need not wait for one another,
+/// and each number read serves several of them.
 inline constexpr int kPixelsTogether = kLanes == 16 ? 12 : 6;
-inline constexpr int kVectorsTogether = 2;
-inline constexpr int kOutputsTogether = kVectorsTogether * kLanes;
+inline constexpr int kVectorsTogether = 2;                          ///< of outputs
+inline constexpr int kOutputsTogether = kVectorsTogether * kLanes;  ///< in these vectors
 
 /// What the sums of a few pixels run over. In a row of the kernel, columns and inputs lie one after another.
 struct Window {
