@@ -4,7 +4,7 @@ import pathlib
 import re
 
 ERROR = re.compile(r"\s*\{?\s*(?:throw\b|(?:[\w.]+(?:\(\))?(?:\.|->))?(?:fail|damaged|fault|fail_at|too_new)\()")
-WITHOUT_TESTS_OF_THEIR_OWN = ("cli", "experiment", "workers")  # only whole programs test these
+OF_WHOLE_PROGRAMS = ("cli", "experiment", "workers")  # tested above all by whole programs
 TESTS = {  # of folders whose test programs are not named like the module; the first that fits
     "data/readers": ["readers", "writers"],
     "data/writers": ["writers"],
@@ -59,7 +59,7 @@ def all_guards(root):
     """(file, old, new, tests) of each guard of the library, in the order of the files."""
     for path in sorted((root / "src" / "knuckle").rglob("*")):
         file = str(path.relative_to(root))
-        if path.suffix not in (".cpp", ".h") or "test" in path.stem or file.split("/")[2] in WITHOUT_TESTS_OF_THEIR_OWN:
+        if path.suffix not in (".cpp", ".h") or "test" in path.stem or file.split("/")[2] in OF_WHOLE_PROGRAMS:
             continue
         for old, new in guards_of(path.read_text()):
             yield file, old, new, tests_of(file)

@@ -7,7 +7,7 @@ The changes are listed in scripts/mutants/*.toml, one table [[change]] each:
     file   the source file
     old    text that occurs in it exactly once
     new    what takes its place
-    tests  optional: modules whose test programs should notice; unless given, the file's own module
+    tests  optional: modules whose test programs should notice; unless given, those of the file's folder
 
 --guards takes instead every guard of the library: each condition behind which an error is raised.
 
@@ -34,7 +34,7 @@ import tempfile
 import time
 import tomllib
 
-from mutant_guards import all_guards
+from mutant_guards import all_guards, tests_of
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LISTS = ROOT / "scripts" / "mutants"
@@ -45,12 +45,12 @@ SWITCH = """#pragma once
 #include <cstdlib>
 namespace mutants {
 inline bool stays(int guard) {
-  static const char* const gone = std::getenv("KNUCKLE_MUTANT");
+  static const char* const gone = std::getenv("SWITCH_NAME");
   static const int number = gone == nullptr ? -1 : std::atoi(gone);
   return guard != number;
 }
 }  // namespace mutants
-"""
+""".replace("SWITCH_NAME", SWITCH_NAME)
 SLOW_S = 0.2  # a test that takes longer runs after the quick ones
 
 
@@ -79,17 +79,13 @@ def bare(text):
     return re.sub(r"[\s()]", "", text)
 
 
-def module_of(file):
-    return pathlib.PurePath(file).relative_to("src/knuckle").parts[0]
-
-
 def read_list(path):
     changes = []
     for number, row in enumerate(tomllib.loads(path.read_text())["change"], 1):
         unknown = set(row) - {"file", "old", "new", "tests"}
         if unknown:
             sys.exit(f"{path}: unknown key {sorted(unknown)}")
-        tests = row.get("tests") or [module_of(row["file"])]
+        tests = row.get("tests") or tests_of(row["file"])
         changes.append(Change(f"{path.stem}:{number}", row["file"], row["old"], row["new"], tests))
     return changes
 

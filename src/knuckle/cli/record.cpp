@@ -78,8 +78,9 @@ void run_record_verb(const RecordArguments& arguments) {
   FrameRecorder recorder(arguments.out);
   const Arrived arrived = record_stream(*stream, arguments, recorder);
   const std::string fault = fault_of(arrived, arguments.source);
-  if (arrived.frames == 0 && !fault.empty()) fail("{}", fault);  // it says more than that there is no frame
-  set_interrupted(false);                                        // what is recorded is made whole
+  // It says more than that there is no frame.
+  if (arrived.frames == 0 && !fault.empty()) fail("{}", fault);
+  set_interrupted(false);  // what is recorded is made whole
   finish_recording_of(recorder, arguments.out);
   const RecordingState state = recorder.state();
   fmt::print("{}: {} of {} frames in {:.1f} s\n", arguments.out.string(), state.frames, arrived.frames,

@@ -3,28 +3,19 @@
 
 #include <string>
 
-#include <zlib.h>
-
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/recording_testing.h"
 
 namespace knuckle {
 namespace {
 
 using testing::error_of;
 using ::testing::HasSubstr;
+using testing::packed;
 using testing::put_file;
 
 const std::string kContent = "what lies in the part";
-
-std::string packed(const std::string& content) {
-  uLongf count = compressBound(content.size());
-  std::string bytes(count, '\0');
-  compress(reinterpret_cast<Bytef*>(bytes.data()), &count, reinterpret_cast<const Bytef*>(content.data()),
-           content.size());
-  bytes.resize(count);
-  return bytes;
-}
 
 class FileStreamTest : public ::testing::Test {
  protected:
@@ -48,20 +39,20 @@ class FileStreamTest : public ::testing::Test {
 
 TEST_F(FileStreamTest, EndsWithItsPart) {
   read(kContent, FileStream::Packing::none);
-  read(packed(kContent), FileStream::Packing::zlib);
+  read(packed(kContent, "zlib"), FileStream::Packing::zlib);
 }
 
 TEST_F(FileStreamTest, WhatIsLeftInThePartIsAFault) {
   EXPECT_THAT(fault_of(kContent + "more", FileStream::Packing::none),
               HasSubstr("a.bin: at byte 6: holds more than it says"));
-  EXPECT_THAT(fault_of(packed(kContent) + "more", FileStream::Packing::zlib),
+  EXPECT_THAT(fault_of(packed(kContent, "zlib") + "more", FileStream::Packing::zlib),
               HasSubstr("holds more than it says"));
-  EXPECT_THAT(fault_of(packed(kContent + "more"), FileStream::Packing::zlib),
+  EXPECT_THAT(fault_of(packed(kContent + "more", "zlib"), FileStream::Packing::zlib),
               HasSubstr("holds more than it says"));
 }
 
 TEST_F(FileStreamTest, PackedBytesEndWithTheirSum) {
-  const std::string bytes = packed(kContent);
+  const std::string bytes = packed(kContent, "zlib");
   for (const std::size_t cut : {1, 2, 4}) {
     EXPECT_THAT(fault_of(bytes.substr(0, bytes.size() - cut), FileStream::Packing::zlib),
                 HasSubstr("a.bin: at byte 6: is cut short or damaged"))

@@ -10,10 +10,10 @@
 #include <string>
 
 #include <matio.h>
-#include <zlib.h>
 
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/data_testing.h"
+#include "knuckle/data/readers/recording_testing.h"
 
 namespace fs = std::filesystem;
 
@@ -60,12 +60,8 @@ std::string matrix(const std::string& content) {
 }
 
 std::string packed(const std::string& element) {
-  uLongf count = compressBound(element.size());
-  std::string bytes(count, '\0');
-  compress(reinterpret_cast<Bytef*>(bytes.data()), &count, reinterpret_cast<const Bytef*>(element.data()),
-           element.size());
-  bytes.resize(count);
-  return bytes_of(std::uint32_t{15}) + bytes_of(static_cast<std::uint32_t>(count)) + bytes;
+  const std::string bytes = testing::packed(element, "zlib");
+  return bytes_of(std::uint32_t{15}) + bytes_of(static_cast<std::uint32_t>(bytes.size())) + bytes;
 }
 
 std::vector<double> values_of(MatlabArray& array, std::size_t count) {

@@ -15,6 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lz4frame.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include "knuckle/core/error.h"
@@ -40,6 +41,7 @@ inline std::string with_length(const std::string& bytes) {
   return little(static_cast<std::uint32_t>(bytes.size())) + bytes;
 }
 
+/// By bz2, zstd, lz4 or zlib; as they are by any other name.
 inline std::string packed(const std::string& bytes, const std::string& compression) {
   if (compression == "bz2") {
     std::string out(bytes.size() + bytes.size() / 50 + 1000, '\0');
@@ -55,6 +57,13 @@ inline std::string packed(const std::string& bytes, const std::string& compressi
   if (compression == "lz4") {
     std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
     return out.substr(0, LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+  }
+  if (compression == "zlib") {
+    uLongf length = compressBound(bytes.size());
+    std::string out(length, '\0');
+    compress(reinterpret_cast<Bytef*>(out.data()), &length, reinterpret_cast<const Bytef*>(bytes.data()),
+             bytes.size());
+    return out.substr(0, length);
   }
   return bytes;
 }

@@ -12,9 +12,7 @@
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/data/readers/recording_testing.h"
-#include "knuckle/data/readers/ros_image.h"
 #include "knuckle/data/readers/rosbag_source.h"
-#include "knuckle/data/readers/unpack.h"
 
 namespace knuckle {
 namespace {
@@ -344,14 +342,6 @@ TEST_F(RosbagTest, WithoutADepthTopicItSaysWhatThereIs) {
   EXPECT_THAT(fault(infrared), HasSubstr("no depth topic"));
   BagWriter empty;
   EXPECT_THAT(fault(empty), HasSubstr("topics with images: none"));
-}
-
-TEST(RosImage, OfAnotherEncodingIsRefused) {
-  const RosImage colour{.width = 1, .height = 1, .encoding = "rgb8", .step = 3, .pixels = {}};
-  EXPECT_THAT(error_of([&] { depth_mm_of(colour, 1.0, "here"); }),
-              HasSubstr("here: has images of encoding 'rgb8', expected depth"));
-  EXPECT_THAT(error_of([&] { infrared_of(colour, "here"); }),
-              HasSubstr("here: has images of encoding 'rgb8', expected infrared"));
 }
 
 class RosbagInfrared : public RosbagTest {
@@ -689,41 +679,6 @@ TEST_F(RosbagTest, ADamagedChunkIsAFaultOfItsFramesAlone) {
     }
   }
   EXPECT_EQ(faults, 3);
-}
-
-TEST(Unpack, GivesAsManyBytesAsItShouldOrNone) {
-  const std::string content = "content of the chunk";
-  const auto fault = [&](const std::string& bytes, Packing packing, std::uint64_t count) {
-    const std::span packed(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-    return error_of([&] { unpack(packed, packing, count, "here"); });
-  };
-  for (const auto& [name, packing] :
-       {std::pair{"bz2", Packing::bz2}, {"lz4", Packing::lz4}, {"zstd", Packing::zstd}}) {
-    SCOPED_TRACE(name);
-    const std::string bytes = packed(content, name);
-    const std::span whole(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-    EXPECT_EQ(unpack(whole, packing, 20, "here").size(), 20u);
-    EXPECT_THAT(fault(bytes, packing, 19), HasSubstr("here: unpacks to more than the 19 bytes it says"));
-    EXPECT_THAT(fault(bytes, packing, 21), HasSubstr("here: unpacks to 20 bytes, expected 21"));
-    EXPECT_THAT(fault(bytes + "!", packing, 20), HasSubstr("here: has 1 bytes after its packed ones"));
-    EXPECT_THAT(fault(bytes.substr(0, bytes.size() - 1), packing, 20),
-                HasSubstr("here: its packed bytes are cut short"));
-    EXPECT_THAT(fault("no such bytes", packing, 20), HasSubstr("here: its packed bytes are damaged"));
-  }
-  EXPECT_THAT(fault(content, Packing::none, 19), HasSubstr("here: has 20 bytes, expected 19"));
-}
-
-TEST(RecordingFile, ReadsNothingBeyondItsEnd) {
-  const testing::TemporaryFolder folder;
-  put_file(folder / "a.bag", "0123456789");
-  const RecordingFile file(folder / "a.bag");
-  EXPECT_EQ(file.read(4, 6).size(), 6u);
-  EXPECT_THAT(error_of([&] { file.read(4, 7); }), HasSubstr("a.bag: at byte 4: 7 bytes lie beyond the end"));
-  EXPECT_THAT(error_of([&] { file.read(11, 0); }),
-              HasSubstr("a.bag: at byte 11: 0 bytes lie beyond the end"));
-  std::filesystem::resize_file(folder / "a.bag", 5);
-  EXPECT_THAT(error_of([&] { file.read(4, 6); }),
-              HasSubstr("a.bag: was changed while it was read: it was cut short"));
 }
 
 }  // namespace
