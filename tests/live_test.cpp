@@ -7,6 +7,7 @@
 
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/frame_record.h"
+#include "knuckle/storage/file_io.h"
 
 namespace knuckle::testing {
 namespace {
@@ -62,6 +63,14 @@ TEST_F(LiveTest, EndsCleanlyOnCtrlC) {
       SIGINT);
   EXPECT_THAT(run, Succeeded());
   EXPECT_GE(live_records(read_text_file(folder_ / "r.jsonl")).size(), 1U);
+}
+
+TEST_F(LiveTest, ALinkUnderTheNameOfWhatIsNotYetWholeIsNotFollowed) {
+  write_text_file(folder_ / "others", "of another person");
+  std::filesystem::create_symlink(folder_ / "others", folder_ / "r.jsonl.partial");
+  EXPECT_THAT(run_program({"live", "--source", kPlayedDemo, "--records", path("r.jsonl")}),
+              FailedWith("r.jsonl.partial: cannot write"));
+  EXPECT_EQ(read_text_file(folder_ / "others"), "of another person");
 }
 
 TEST_F(LiveTest, FaultsAreOneLine) {

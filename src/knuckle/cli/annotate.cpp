@@ -11,6 +11,7 @@
 #include "knuckle/core/own_convention.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/statistics.h"
+#include "knuckle/core/text.h"
 #include "knuckle/label/label_session.h"
 #include "knuckle/pipeline/pipeline.h"
 #include "knuckle/prepare/open_source.h"
@@ -60,7 +61,7 @@ void wait_for_the_end() {
 void tell(const LabelJournal& journal, const std::vector<double>& seconds) {
   if (journal.waiting() > 0)
     fail("{}; {} changes are lost with the end of the program", journal.fault(), journal.waiting());
-  fmt::print("{}: {} hands verified", journal.path().string(), seconds.size());
+  fmt::print("{}: {} hands verified", printable(journal.path().string()), seconds.size());
   if (!seconds.empty()) fmt::print(", {:.0f} s each (median)", median(seconds));
   fmt::print("\n");
 }

@@ -3,6 +3,7 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/eval/pictures/gallery.h"
 #include "knuckle/eval/report/report.h"
@@ -51,7 +52,7 @@ void run_demo(const DemoArguments& arguments) {
   const MethodScore& score = report.evaluation->methods.front();
   fmt::print("{} frames at {:.0f} frames/s on one core, mean 3D error {:.1f} mm\n", frames.size(),
              frames_per_second(frames), score.mean_3d_mm);
-  fmt::print("report: {}\n", std::filesystem::absolute(page).string());
+  fmt::print("report: {}\n", printable(std::filesystem::absolute(page).string()));
 }
 
 }  // namespace

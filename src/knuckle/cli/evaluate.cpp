@@ -105,8 +105,8 @@ void print_scores(const std::vector<MethodScore>& methods) {
   fmt::print("{:<24} {:>7} {:>8} {:>9} {:>11} {:>9} {:>9}\n", "method", "frames", "missing", "mean mm",
              "median mm", "mean px", "AUC 0-50");
   for (const MethodScore& method : methods) {
-    fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", method.name, method.frames,
-               method.missing, method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px,
+    fmt::print("{:<24} {:>7} {:>8} {:>9.3f} {:>11.3f} {:>9.3f} {:>9.4f}\n", printable(method.name),
+               method.frames, method.missing, method.mean_3d_mm, method.median_3d_mm, method.mean_2d_px,
                method.auc_pck_0_50);
   }
 }
@@ -144,8 +144,8 @@ void print_scores(const std::vector<SegmentationScore>& scores) {
              "r > 0.5");
   for (const SegmentationScore& score : scores) {
     constexpr std::size_t kHalf = 50;  // the curve has a value per hundredth
-    fmt::print("{:<24} {:>7} {:>8} {:>9.4f} {:>11.4f} {:>9.4f}\n", score.name, score.frames, score.missing,
-               score.mean_iou, score.median_iou, score.fraction_above.at(kHalf));
+    fmt::print("{:<24} {:>7} {:>8} {:>9.4f} {:>11.4f} {:>9.4f}\n", printable(score.name), score.frames,
+               score.missing, score.mean_iou, score.median_iou, score.fraction_above.at(kHalf));
   }
 }
 
@@ -168,23 +168,23 @@ void print_hidden(const FollowedScore& score) {
   const OcclusionScore& visible = score.occlusion.front();
   const OcclusionScore hidden = hidden_of(score.occlusion);
   if (visible.joints + hidden.joints == 0) return;
-  fmt::print("{}: {} visible landmarks {:.1f} mm off on average, {} hidden ones {:.1f} mm\n", score.name,
-             visible.joints, visible.mean_3d_mm, hidden.joints, hidden.mean_3d_mm);
+  fmt::print("{}: {} visible landmarks {:.1f} mm off on average, {} hidden ones {:.1f} mm\n",
+             printable(score.name), visible.joints, visible.mean_3d_mm, hidden.joints, hidden.mean_3d_mm);
 }
 
 void print_scores(const std::vector<FollowedScore>& scores) {
   fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9}\n", "records", "hands", "found",
              "right side", "invented", "switches", "losses", "longest loss", "mean mm");
   for (const FollowedScore& score : scores) {
-    fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9.3f}\n", score.name, score.hands,
-               score.found, score.right_side, score.invented, score.switches, score.losses,
+    fmt::print("{:<24} {:>7} {:>7} {:>10} {:>9} {:>9} {:>6} {:>13} {:>9.3f}\n", printable(score.name),
+               score.hands, score.found, score.right_side, score.invented, score.switches, score.losses,
                score.longest_loss, score.mean_3d_mm);
   }
   for (const FollowedScore& score : scores) print_hidden(score);
   for (const FollowedScore& score : scores) {
     if (score.reliability.joints == 0) continue;
     fmt::print("{}: confidences differ from the share of joints within {:.0f} mm by {:.1f} % on average\n",
-               score.name, kReliableMm, 100.0 * score.reliability.error);
+               printable(score.name), kReliableMm, 100.0 * score.reliability.error);
   }
 }
 
@@ -194,7 +194,7 @@ void write_options(const EvaluateArguments& arguments, const std::filesystem::pa
 }
 
 void write_out(const EvaluateArguments& arguments, const Report& report) {
-  fmt::print("report: {}\n", write_report(report, arguments.out).string());
+  fmt::print("report: {}\n", printable(write_report(report, arguments.out).string()));
   write_options(arguments, arguments.out);
 }
 

@@ -5,6 +5,7 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/interruption.h"
+#include "knuckle/core/text.h"
 
 namespace knuckle::cli {
 namespace {
@@ -17,7 +18,7 @@ struct ExperimentArguments {
 void run(const ExperimentArguments& arguments) {
   try {
     const std::filesystem::path page = run_experiment(find_plan(arguments.name), arguments.options);
-    fmt::print("report: {}\n", page.string());
+    fmt::print("report: {}\n", printable(page.string()));
   } catch (const Interrupted&) {
     throw Interrupted(fmt::format("interrupted; what was done is kept in {}, and the same command goes on",
                                   arguments.options.out.string()));

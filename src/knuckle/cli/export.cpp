@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/text.h"
 #include "knuckle/export/export_network.h"
 
 namespace knuckle::cli {
@@ -15,8 +16,8 @@ struct ExportArguments {
 void run_export(const ExportArguments& arguments) {
   const ExportedFile exported = export_network(arguments.model, arguments.out);
   constexpr double kBytesPerMegabyte = 1e6;
-  fmt::print("{}: the network \"{}\", {} operations, {} numbers, {:.1f} MB\n", arguments.out.string(),
-             exported.network, exported.nodes, exported.weights,
+  fmt::print("{}: the network \"{}\", {} operations, {} numbers, {:.1f} MB\n",
+             printable(arguments.out.string()), exported.network, exported.nodes, exported.weights,
              static_cast<double>(std::filesystem::file_size(arguments.out)) / kBytesPerMegabyte);
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/text.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/prepare/pose_forest_training.h"
@@ -52,7 +53,7 @@ void train(const ForestArguments& arguments, const PoseForestTrainingConfig& con
   const auto& [total, without_hand, with_missing_joints] = training->frames;
   fmt::print("{} of {} frames used ({} without a hand, {} with missing joints), {:.1f} s: {}\n",
              training->frames.used(), total, without_hand, with_missing_joints, watch.milliseconds() / 1000.0,
-             arguments.out.string());
+             printable(arguments.out.string()));
 }
 
 void train(const ForestArguments& arguments, const SegmentationForestTrainingConfig& config,

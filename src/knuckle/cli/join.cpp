@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/cli/verb.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/writers/join_parts.h"
 
 namespace knuckle::cli {
@@ -14,7 +15,8 @@ struct JoinArguments {
 
 void run_join(const JoinArguments& arguments) {
   const IndexRange frames = join_parts(arguments.parts, arguments.out);
-  fmt::print("{} frames of {} parts: {}\n", frames.count, arguments.parts.size(), arguments.out.string());
+  fmt::print("{} frames of {} parts: {}\n", frames.count, arguments.parts.size(),
+             printable(arguments.out.string()));
 }
 
 }  // namespace

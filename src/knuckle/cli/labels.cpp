@@ -9,6 +9,7 @@
 #include "knuckle/core/own_convention.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/data/writers/frame_writer.h"
 #include "knuckle/label/label_agreement.h"
@@ -104,8 +105,8 @@ void run_export(const LabelsArguments& arguments) {
     fmt::print(stderr, "warning: {} of {} labelled frames have no mask: theirs is written empty\n",
                labelled.without_mask_count(), labelled.labelled_count());
   }
-  fmt::print("{}: {} of {} frames labelled in {}\n", arguments.out.string(), labelled.labelled_count(),
-             labelled.size(), labelled.convention()->name);
+  fmt::print("{}: {} of {} frames labelled in {}\n", printable(arguments.out.string()),
+             labelled.labelled_count(), labelled.size(), labelled.convention()->name);
 }
 
 // --- import ---
@@ -160,7 +161,7 @@ void run_import(const LabelsArguments& arguments) {
   const std::size_t count = changes.size();
   journal.add_all(std::move(changes));
   if (journal.waiting() > 0) fail("{}", journal.fault());
-  fmt::print("{}: {} of {} frames have labels now\n", file.string(), count, source->size());
+  fmt::print("{}: {} of {} frames have labels now\n", printable(file.string()), count, source->size());
 }
 
 // --- compare ---

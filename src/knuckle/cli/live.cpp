@@ -3,7 +3,9 @@
 #include <csignal>
 #include <cstdio>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "knuckle/cli/live_recording.h"
 #include "knuckle/cli/verb.h"
@@ -15,6 +17,7 @@
 #include "knuckle/pipeline/record_of.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/own_file.h"
 #include "knuckle/track/run_live.h"
 #include "knuckle/view/live_server.h"
 
@@ -47,8 +50,9 @@ class RecordLines {
     }
     check_writable(path);
     partial_ = path + ".partial";
-    file_ = std::fopen(partial_.c_str(), "wb");
-    if (file_ == nullptr) fail("{}: cannot be written", path);
+    const int descriptor = open_own_file_alone(partial_, O_CREAT, "another run is writing it");
+    if (::ftruncate(descriptor, 0) != 0) fail("{}: cannot be written", path);
+    file_ = ::fdopen(descriptor, "wb");
   }
   ~RecordLines() {
     if (!partial_.empty() && file_ != nullptr) std::fclose(file_);

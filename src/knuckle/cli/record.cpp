@@ -11,6 +11,7 @@
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/writers/frame_recorder.h"
 #include "knuckle/prepare/open_source.h"
 
@@ -71,7 +72,7 @@ std::string fault_of(const Arrived& arrived, const std::string& source) {
 
 void run_record_verb(const RecordArguments& arguments) {
   if (!arguments.rest.empty()) {
-    fmt::print("{}: {} frames\n", arguments.rest.string(), finish_recording(arguments.rest));
+    fmt::print("{}: {} frames\n", printable(arguments.rest.string()), finish_recording(arguments.rest));
     return;
   }
   const auto stream = open_stream(arguments.source);
@@ -83,8 +84,8 @@ void run_record_verb(const RecordArguments& arguments) {
   set_interrupted(false);  // what is recorded is made whole
   finish_recording_of(recorder, arguments.out);
   const RecordingState state = recorder.state();
-  fmt::print("{}: {} of {} frames in {:.1f} s\n", arguments.out.string(), state.frames, arrived.frames,
-             arrived.seconds);
+  fmt::print("{}: {} of {} frames in {:.1f} s\n", printable(arguments.out.string()), state.frames,
+             arrived.frames, arrived.seconds);
   if (const std::int64_t lost = stream->lost_frames(); lost > 0)
     fmt::print(stderr, "warning: the camera lost {} frames on the way\n", lost);
   if (!fault.empty()) fail("{}", fault);

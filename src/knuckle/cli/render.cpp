@@ -54,7 +54,7 @@ void write_contact_sheet(const RenderArguments& arguments, const FrameSource& so
                          const IndexRange& rendered) {
   const auto frames = spread_frames(rendered.first, rendered.count, arguments.tiles);
   write_png(arguments.sheet, contact_sheet(source, frames, arguments.layout));
-  fmt::print("contact sheet of {} frames: {}\n", frames.size(), arguments.sheet.string());
+  fmt::print("contact sheet of {} frames: {}\n", frames.size(), printable(arguments.sheet.string()));
 }
 
 /// A file of frames goes on; folders are written again.
@@ -88,7 +88,7 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source,
                   const FrameWriterOptions& options) {
   const std::int64_t count = options.count;
   if (is_there(arguments.out, options)) {
-    fmt::print("{} frames: {} (was there)\n", count, arguments.out.string());
+    fmt::print("{} frames: {} (was there)\n", count, printable(arguments.out.string()));
     return;
   }
   const auto writer = create_frame_writer(arguments.format, arguments.out, options);
@@ -106,7 +106,7 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source,
   }
   writer->finish();
   write_resolved_options(arguments.out, load_manifest(arguments.manifest).resolved);
-  fmt::print("{} frames: {}\n", count, arguments.out.string());
+  fmt::print("{} frames: {}\n", count, printable(arguments.out.string()));
 }
 
 void run_render(const RenderArguments& arguments) {

@@ -5,6 +5,7 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/resources.h"
+#include "knuckle/core/text.h"
 #include "knuckle/pipeline/segment_all.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
@@ -52,7 +53,7 @@ void run_segment(const SegmentArguments& arguments) {
   if (!arguments.json.empty()) write_text_file(arguments.json, summary_json(frames, arguments.source));
   write_resolved_options(arguments.out, finder.resolved_options());
   const auto found = std::ranges::count_if(frames, &FrameSegmentation::found);
-  fmt::print("{} frames, hand found in {}: {}\n", frames.size(), found, arguments.out.string());
+  fmt::print("{} frames, hand found in {}: {}\n", frames.size(), found, printable(arguments.out.string()));
 }
 
 }  // namespace

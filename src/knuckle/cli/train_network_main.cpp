@@ -182,7 +182,7 @@ void train_pose_network(const NetworkArguments& arguments, const NetworkTraining
   print_exchange(workers, watch);
   fmt::print("{} of {} frames used ({} without a hand, {} found elsewhere), {:.1f} s: {}\n",
              result.frames.used(), result.frames.total, result.frames.without_hand, result.frames.off_centre,
-             watch.milliseconds() / 1000.0, arguments.out.string());
+             watch.milliseconds() / 1000.0, printable(arguments.out.string()));
 }
 
 void train_pose_network(const NetworkArguments& arguments) {
@@ -204,7 +204,7 @@ void train_detector(const NetworkArguments& arguments, const DetectorTrainingCon
   const std::vector<TrainingMetrics> metrics = run_detector_training(config, run);
   print_early_end(metrics, config.training);
   print_exchange(workers, watch);
-  fmt::print("{:.1f} s: {}\n", watch.milliseconds() / 1000.0, arguments.out.string());
+  fmt::print("{:.1f} s: {}\n", watch.milliseconds() / 1000.0, printable(arguments.out.string()));
 }
 
 void train_detector(const NetworkArguments& arguments) {

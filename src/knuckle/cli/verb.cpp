@@ -152,7 +152,8 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
 void write_resolved_options(const std::filesystem::path& output, std::string_view toml) {
   std::filesystem::path path = output / "options.toml";
   if (!std::filesystem::is_directory(output)) path = output.string() + ".options.toml";
-  write_text_file(path, fmt::format("# {}\n{}", fmt::join(command_line_arguments(), " "), toml));
+  const std::string command = fmt::format("{}", fmt::join(command_line_arguments(), " "));
+  write_text_file(path, fmt::format("# {}\n{}", printable(command), toml));  // an argument may have lines
 }
 
 }  // namespace knuckle::cli

@@ -95,6 +95,7 @@ Landmark told_from(const OptionTable& document, const std::string& name) {
   return *bone;
 }
 
+constexpr std::string_view kDefinitionEnd = ".toml";
 constexpr char kNear = '~';  ///< between a landmark of one's own and that which it lies near to
 
 /// As in "index_tip", or "glove_knob~index_mcp".
@@ -241,7 +242,25 @@ const Convention& convention_from_text(std::string_view text) {
 }
 
 const Convention& convention_from_option(const std::string& text) {
-  return text.ends_with(".toml") ? convention_from_file(text) : convention_from_name(text);
+  return text.ends_with(kDefinitionEnd) ? convention_from_file(text) : convention_from_name(text);
+}
+
+const Convention& convention_from_key(const OptionTable& document, std::string_view key,
+                                      std::string_view otherwise) {
+  const std::string text = document.text_or(key, otherwise);
+  if (text.ends_with(kDefinitionEnd)) return convention_from_file(document.resolved_path(text));
+  try {
+    return convention_from_name(text);
+  } catch (const Error& error) {
+    document.fail_at(key, error.what());
+  }
+}
+
+const Convention& convention_in_folder(const std::string& text, const std::filesystem::path& folder) {
+  if (!text.ends_with(kDefinitionEnd)) return convention_from_name(text);
+  const std::filesystem::path file(text);
+  if (file != file.filename()) fail("is \"{}\"; expected the name of a file in the same folder", text);
+  return convention_from_file(folder / file);
 }
 
 }  // namespace knuckle

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "knuckle/core/landmarks.h"
+#include "knuckle/core/options.h"
 
 namespace knuckle {
 
@@ -53,5 +54,14 @@ const Convention& convention_from_file(const std::filesystem::path& path);
 
 /// What an option says: a convention's name, or the file (*.toml) of one's own.
 const Convention& convention_from_option(const std::string& text);
+
+/// The same of a key of a document, `otherwise` where it is missing; the file's path starts from the
+/// document's folder. Throws an Error that names file, line and key.
+const Convention& convention_from_key(const OptionTable& document, std::string_view key,
+                                      std::string_view otherwise);
+
+/// What a file of data says: a convention's name, or the name of the file of one's own, which lies in the
+/// same folder: data are whole by themselves, and name nothing elsewhere.
+const Convention& convention_in_folder(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace knuckle

@@ -124,6 +124,28 @@ TEST_F(OwnConvention, FaultsNameFileAndLine) {
   EXPECT_THAT(error_of([&] { convention_from_option("/nowhere/lab.toml"); }), HasSubstr("/nowhere/lab.toml"));
 }
 
+TEST_F(OwnConvention, ADocumentNamesItOrItsFile) {
+  const Convention& lab = convention_from_file(file("convention = \"own_keyed\"\nlandmarks = [\"palm\"]\n"));
+  std::ofstream(folder_ / "good.toml") << "convention = \"lab.toml\"\n";
+  std::ofstream(folder_ / "bad.toml") << "\nconvention = \"own_nobodys\"\n";
+  const OptionTable good = OptionTable::load(folder_ / "good.toml");
+  EXPECT_EQ(&convention_from_key(good, "convention", "icg20"), &lab);
+  EXPECT_EQ(convention_from_key(good, "other", "icg20").name, "icg20");
+  EXPECT_THAT(
+      error_of([&] { convention_from_key(OptionTable::load(folder_ / "bad.toml"), "convention", "icg20"); }),
+      ::testing::AllOf(HasSubstr("bad.toml:2"), HasSubstr("unknown convention 'own_nobodys'")));
+}
+
+TEST_F(OwnConvention, DataNameAFileInTheirFolderAlone) {
+  const Convention& lab = convention_from_file(file("convention = \"own_beside\"\nlandmarks = [\"palm\"]\n"));
+  EXPECT_EQ(&convention_in_folder("lab.toml", folder_.path()), &lab);
+  EXPECT_EQ(convention_in_folder("nyu14", folder_.path()).size(), 14);
+  for (const char* const elsewhere : {"../lab.toml", "sub/lab.toml", "/lab.toml"}) {
+    EXPECT_THAT(error_of([&] { convention_in_folder(elsewhere, folder_.path()); }),
+                HasSubstr("expected the name of a file in the same folder"));
+  }
+}
+
 TEST_F(OwnConvention, OneThatNobodyToldIsUnknown) {
   EXPECT_THAT(error_of([] { (void)registered_convention("nobodys"); }),
               HasSubstr("unknown convention 'nobodys'"));

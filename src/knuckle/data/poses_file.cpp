@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/truth.h"
@@ -36,20 +37,20 @@ struct PosesHead {
   PoseCoordinates coordinates;
 
   /// Takes note of a comment. False where it says nothing of the poses.
-  bool take(std::string_view comment, std::string_view where) {
+  bool take(std::string_view comment, const std::filesystem::path& folder, std::string_view where) {
     const std::string_view text = comment.substr(1);
     const std::size_t colon = text.find(':');
     if (colon == std::string_view::npos) return false;
     try {
-      return set(trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1)));
+      return set(trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1)), folder);
     } catch (const Error& error) {
       fail("{}: {}", where, error.what());
     }
   }
 
-  bool set(std::string_view key, std::string_view value) {
+  bool set(std::string_view key, std::string_view value, const std::filesystem::path& folder) {
     if (key == kConventionKey) {
-      convention = convention_from_name(value);
+      convention = convention_in_folder(std::string(value), folder);
     } else if (key == "format") {
       coordinates.kind = coordinate_kind_from_text(value);
     } else if (key == "axes") {
@@ -86,7 +87,7 @@ PoseNumbers read_pose_numbers(const std::filesystem::path& path, const std::opti
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string where = place(path, i);
     if (is_comment(lines[i])) {
-      if (head.take(lines[i], where) && !numbers.values.empty())
+      if (head.take(lines[i], path.parent_path(), where) && !numbers.values.empty())
         fail("{}: what the poses are must stand before the first one", where);
       continue;
     }

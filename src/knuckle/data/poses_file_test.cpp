@@ -2,6 +2,7 @@
 #include "knuckle/data/poses_file.h"
 
 #include <cmath>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -125,6 +126,16 @@ TEST_F(PosesFile, ErrorsNameFileLineAndFault) {
               AllOf(HasSubstr(name + ":1"), HasSubstr("nyu15"), HasSubstr("icvl16")));
   EXPECT_THAT(error(good + "# convention: nyu14\n"), HasSubstr(name + ":2"));
   EXPECT_THAT(error(""), HasSubstr(name));
+}
+
+TEST_F(PosesFile, AConventionOfOnesOwnIsAFileBesideIt) {
+  std::ofstream(path_.parent_path() / "lab_tips.toml")
+      << "convention = \"lab_tips\"\nlandmarks = [\"thumb_tip\", \"index_tip\"]\n";
+  const PoseSequence read = read_poses_file(file("# convention: lab_tips.toml\n" + line_of(6)));
+  EXPECT_EQ(read.convention.name, "lab_tips");
+  EXPECT_EQ(read.poses.front().joints.size(), 2u);
+  EXPECT_THAT(error_of([&] { read_poses_file(file("# convention: ../lab_tips.toml\n" + line_of(6))); }),
+              AllOf(HasSubstr(path_.string() + ":1"), HasSubstr("in the same folder")));
 }
 
 TEST_F(PosesFile, WithoutAnyConventionItSaysWhatToDo) {

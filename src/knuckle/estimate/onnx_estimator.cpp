@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/estimate/exported_estimator.h"
 #include "knuckle/estimate/foreign_estimator.h"
 #include "knuckle/net/exported_network.h"
@@ -28,7 +29,7 @@ std::unique_ptr<Estimator> load_foreign(OnnxModel model, const std::filesystem::
   NetworkEstimatorOptions looks;
   if (options.patch == "hand") looks.passes = 1;
   table.read(looks);
-  const Convention& convention = convention_from_name(table.required_text("convention"));
+  const Convention& convention = convention_from_key(table, "convention", "");
   return std::make_unique<ForeignEstimator>(OnnxNetwork(std::move(model), path.string()), convention,
                                             std::move(options), looks.passes);
 }

@@ -94,6 +94,19 @@ TEST_F(OnnxEstimatorTest, PatchCoordinatesAreTakenAsTheyAre) {
   EXPECT_EQ(pose.joints[2].d, 8 / 16.0);
 }
 
+TEST_F(OnnxEstimatorTest, AConventionOfOnesOwnIsAFileBesideThePipeline) {
+  std::string names;
+  for (const Landmark landmark : convention_from_name("nyu14").landmarks)
+    names = fmt::format("\"{}\", {}", name_of(landmark), names);
+  write_text_file(folder_ / "lab.toml",
+                  fmt::format("convention = \"lab_turned\"\nlandmarks = [{}]\n", names));
+  const auto estimator =
+      load(constant_network(counted(3 * kJoints), {1, kJoints, 3}), "convention = \"lab.toml\"\n");
+  EXPECT_EQ(estimator->convention().name, "lab_turned");
+  EXPECT_EQ(estimator->convention().landmarks.back(), convention_from_name("nyu14").landmarks.front());
+  EXPECT_EQ(estimator->estimate(patch()).joints[2].u, 6 / 16.0);
+}
+
 TEST_F(OnnxEstimatorTest, OtherRangesAreMapped) {
   std::vector<float> pixels(3 * kJoints, 0.0f);
   pixels[0] = 7.0f;   // the last pixel
@@ -231,6 +244,8 @@ TEST_F(OnnxEstimatorTest, WhatDoesNotFitIsSaid) {
       error_of([&] { (void)load(network, ""); }),
       AllOf(HasSubstr("p.toml:2"), HasSubstr("say what it wants and gives"), HasSubstr("convention")));
   EXPECT_THAT(error_of([&] { (void)load(network, "convention = \"icvl16\"\n"); }), HasSubstr("42 numbers"));
+  EXPECT_THAT(error_of([&] { (void)load(network, "convention = \"nobodys\"\n"); }),
+              AllOf(HasSubstr("p.toml"), HasSubstr("unknown convention 'nobodys'")));
   EXPECT_THAT(fault(network, "patch = \"sphere\"\n"), HasSubstr("patch"));
   EXPECT_THAT(fault(network, "patch_size_px = 64\n"), HasSubstr("patches of 8 x 8"));
   EXPECT_THAT(fault(network, "gives = \"xyz\"\nxyz_mm = 0\n"), HasSubstr("xyz_mm"));

@@ -13,6 +13,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/storage/model_file.h"
 
 namespace knuckle {
@@ -73,7 +74,7 @@ PatchStatistics read_statistics(const ModelFile& file) {
 
 Convention read_convention(const ModelFile& file) {
   try {
-    return convention_from_name(file.text("convention"));
+    return convention_from_text(file.text("convention"));
   } catch (const Error& error) {
     fail("{}: {}", file.origin(), error.what());
   }
@@ -97,7 +98,7 @@ void save(const std::filesystem::path& path, const PoseForestModel& model,
   check(model, path.string());
   ModelWriter file(kFormat, kVersion);
   file.set("kind", kKind);
-  file.set("convention", model.convention.name);
+  file.set("convention", convention_text(model.convention));
   file.set("patch_size_px", model.statistics.size_px);
   if (const Image<float>& mean = model.statistics.mean; !mean.empty()) {
     const auto size = static_cast<std::uint64_t>(model.statistics.size_px);

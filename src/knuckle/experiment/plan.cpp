@@ -11,6 +11,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/options.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/resources.h"
 #include "knuckle/core/text.h"
 #include "knuckle/prepare/open_source.h"
@@ -101,14 +102,6 @@ std::vector<PlannedMethod> read_methods(const OptionTable& document, std::string
   return methods;
 }
 
-Convention convention_of(const OptionTable& document) {
-  try {
-    return convention_from_name(document.text_or("convention", "icg20"));
-  } catch (const Error& error) {
-    document.fail_at("convention", error.what());
-  }
-}
-
 std::vector<std::string> shipped_plans() {
   std::vector<std::string> names;
   std::error_code none;
@@ -133,7 +126,7 @@ ExperimentPlan ExperimentPlan::load(const std::filesystem::path& path) {
   ExperimentPlan plan;
   plan.name = path.stem();
   plan.title = document.text_or("title", plan.name);
-  plan.convention = convention_of(document);
+  plan.convention = convention_from_key(document, "convention", "icg20");
   plan.claims = document.choice_or("claims", "none", kClaims);
   plan.sequences = read_sequences(document);
   plan.models = read_models(document);

@@ -85,6 +85,9 @@ OnnxModel onnx_of(const DetectorWeights& weights) {
 }
 
 ExportedFile export_network(const std::filesystem::path& model, const std::filesystem::path& out) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(model, out, ignored))
+    fail("{}: is the network itself; name another file to write", out.string());
   check_writable(out);
   NamedModel exported = model_of(ModelFile::open(model));
   const std::size_t nodes = exported.model.nodes.size();

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "knuckle/core/random.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/estimate/network_estimator.h"
@@ -191,6 +192,19 @@ TEST(Export, WhatIsNoNetworkIsSaid) {
                                HasSubstr("knuckle-network")));
   EXPECT_THAT(fault(folder / "none.pt"), HasSubstr("none.pt"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.onnx"));
+}
+
+TEST(Export, TheNetworkItselfIsNotOverwritten) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path model = folder / "net.pt";
+  std::filesystem::copy_file(testing::project_folder() / "models/detector.pt", model);
+  const std::string before = read_regular_file(model, std::int64_t{1} << 30);
+  std::filesystem::create_symlink(model, folder / "link.onnx");
+  for (const char* const out : {"net.pt", "link.onnx"}) {
+    EXPECT_THAT(error_of([&] { (void)export_network(model, folder / out); }),
+                HasSubstr("is the network itself; name another file"));
+  }
+  EXPECT_EQ(read_regular_file(model, std::int64_t{1} << 30), before);
 }
 
 TEST(Export, MetadataOfAnotherKindAreRefused) {

@@ -7,13 +7,13 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/own_file.h"
 
 namespace fs = std::filesystem;
 
@@ -22,25 +22,10 @@ namespace {
 
 constexpr std::string_view kBegins = "labels";
 constexpr std::string_view kEnds = ".jsonl";
+constexpr const char* kInUse = "another program writes these labels; end it, or work as another --author";
 
 [[noreturn]] void fail_to_write(const fs::path& path, int code) {
   fail("{}: cannot write: {}", path.string(), std::generic_category().message(code));
-}
-
-int open_to_add(const fs::path& path) {
-  constexpr int kMode = 0666;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, kMode);
-  if (descriptor < 0) fail_to_write(path, errno);
-  try {
-    require_regular_file(path);
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      fail("{}: another program writes these labels; end it, or work as another --author", path.string());
-    }
-  } catch (...) {
-    ::close(descriptor);
-    throw;
-  }
-  return descriptor;
 }
 
 }  // namespace
@@ -48,7 +33,7 @@ int open_to_add(const fs::path& path) {
 LabelJournal::LabelJournal(fs::path path, const LabelHead& head, ChangedSource changed)
     : path_(std::move(path)) {
   if (path_.has_parent_path()) make_folder(path_.parent_path());
-  descriptor_ = open_to_add(path_);
+  descriptor_ = open_own_file_alone(path_, O_CREAT, kInUse);
   try {
     read_or_begin(head, changed);
   } catch (...) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/own_convention.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/worker_messages.h"
@@ -13,15 +14,6 @@
 
 namespace knuckle {
 namespace {
-
-Convention convention_of(const OptionTable& document) {
-  const std::string name = document.text_or("convention", "icg20");
-  try {
-    return convention_from_name(name);
-  } catch (const Error& error) {
-    document.fail_at("convention", error.what());
-  }
-}
 
 std::vector<PatchPoint> joints_in_patch(const HandPose& truth, const PatchGeometry& geometry) {
   std::vector<PatchPoint> joints;
@@ -100,7 +92,7 @@ std::int64_t spare_samples(std::int64_t frames) {
 PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   PoseForestTrainingConfig config{.source = source_in(document, "source"),
-                                  .convention = convention_of(document),
+                                  .convention = convention_from_key(document, "convention", "icg20"),
                                   .start = start_from_name(document.choice_or("start", "truth", kStartNames)),
                                   .finder = HandFinder(document),
                                   .patch = {},

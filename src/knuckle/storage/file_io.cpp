@@ -43,11 +43,23 @@ std::filesystem::path temporary_name(const std::filesystem::path& path) {
                                           path.extension().string());
 }
 
+/// A file, or a link, takes the place of another one; a device, a pipe or a socket must not.
+void require_replaceable(const std::filesystem::path& path) {
+  if (path.empty()) fail("a file to write has an empty name");
+  std::error_code ignored;
+  const auto status = std::filesystem::symlink_status(path, ignored);
+  if (std::filesystem::is_directory(status)) fail("{}: cannot write: it is a folder", path.string());
+  if (std::filesystem::is_other(status))
+    fail("{}: cannot write: it is a device, a pipe or a socket, expected a file or a new name",
+         path.string());
+}
+
 /// A new, empty file beside `named`; removed at the end of its scope, unless it was renamed.
 struct TemporaryFile {
   std::filesystem::path path;
 
   explicit TemporaryFile(const std::filesystem::path& named) : path(temporary_name(named)) {
+    require_replaceable(named);
     constexpr int kMode = 0666;
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode);
     if (descriptor < 0) fail("{}: cannot write: {}", named.string(), system_message(errno));
@@ -71,6 +83,7 @@ void write_file_atomically(const std::filesystem::path& path,
 }
 
 void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  require_replaceable(path);
   flush_to_disk(temporary, path);
   std::error_code fault;
   std::filesystem::rename(temporary, path, fault);
@@ -97,7 +110,6 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
 }
 
 void check_writable(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) fail("{}: cannot write: it is a folder", path.string());
   const TemporaryFile temporary(path);
 }
 

@@ -9,8 +9,9 @@ namespace knuckle {
 
 /// Writes a file so that it appears under its name only when whole: `write` fills a temporary file beside it
 /// (it is handed that path; the file is there, empty, under a name that nobody can guess), which is then
-/// flushed to the disk and renamed. Whatever goes wrong (an exception of `write`, a full disk), the temporary
-/// file is removed, a former file of that name stays, and an Error names `path`.
+/// flushed to the disk and renamed. A link of that name is replaced, not followed; a folder, a device, a pipe
+/// or a socket is refused. Whatever goes wrong (an exception of `write`, a full disk), the temporary file is
+/// removed, a former file of that name stays, and an Error names `path`.
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const std::filesystem::path& temporary)>& write);
 

@@ -10,6 +10,7 @@
 
 #include <sys/random.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -108,6 +109,33 @@ TEST(FileIoTest, WhetherAFileCanBeWrittenIsKnownBefore) {
               HasSubstr("new.txt: cannot write: No such file or directory"));
 }
 
+TEST(FileIoTest, DevicesPipesAndSocketsStayWhatTheyAre) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(error_of([&] { check_writable(pipe); }),
+              HasSubstr("pipe: cannot write: it is a device, a pipe"));
+  EXPECT_THAT(error_of([&] { write_text_file(pipe, "text"); }), HasSubstr("it is a device, a pipe"));
+  write_text_file(folder / "whole", "text");
+  EXPECT_THAT(error_of([&] { publish_file(folder / "whole", pipe); }), HasSubstr("it is a device, a pipe"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(entries_in(folder.path()), 2u);
+}
+
+TEST(FileIoTest, ALinkIsReplacedAndNotFollowed) {
+  const TemporaryFolder folder;
+  write_text_file(folder / "others", "of another person");
+  std::filesystem::create_symlink(folder / "others", folder / "link");
+  write_text_file(folder / "link", "ours");
+  EXPECT_EQ(read_text_file(folder / "others"), "of another person");
+  EXPECT_EQ(read_text_file(folder / "link"), "ours");
+  EXPECT_FALSE(std::filesystem::is_symlink(folder / "link"));
+}
+
+TEST(FileIoTest, AFileWithoutANameIsRefused) {
+  EXPECT_THAT(error_of([] { write_text_file("", "text"); }), HasSubstr("a file to write has an empty name"));
+}
+
 TEST(FileIoTest, ADiskThatFillsUpLeavesTheFormerFileAndNothingElse) {
   const TemporaryFolder folder;
   write_text_file(folder / "file.txt", "former");
@@ -154,7 +182,7 @@ TEST(FileIoTest, AFileTakesTheNameOfNoFolder) {
   const TemporaryFolder folder;
   make_folder(folder / "name");
   EXPECT_THAT(error_of([&] { write_text_file(folder / "name", "text"); }),
-              HasSubstr("name: cannot write: Is a directory"));
+              HasSubstr("name: cannot write: it is a folder"));
   EXPECT_THAT(error_of([&] { publish_file(folder / "none", folder / "file.txt"); }),
               HasSubstr("file.txt: cannot write: No such file or directory"));
   EXPECT_EQ(entries_in(folder.path()), 1u);

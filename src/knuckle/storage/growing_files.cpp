@@ -9,14 +9,13 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/regular_file.h"
 #include "knuckle/core/text.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/own_file.h"
 
 namespace fs = std::filesystem;
 
@@ -29,13 +28,6 @@ constexpr std::string_view kWhole = "whole";  // the journal's last line: every 
 
 [[noreturn]] void fail_to_write(const fs::path& path, int code) {
   fail("{}: cannot write: {}", path.string(), std::generic_category().message(code));
-}
-
-int open_file(const fs::path& path, int flags) {
-  constexpr int kMode = 0666;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, kMode);
-  if (descriptor >= 0) require_regular_file(path);
-  return descriptor;
 }
 
 void write_piece(int descriptor, std::uint64_t offset, std::string_view text, const fs::path& named) {
@@ -162,11 +154,7 @@ void GrowingFiles::close_all() {
 }
 
 void GrowingFiles::open_journal() {
-  journal_.descriptor = open_file(journal_.path, O_CREAT);
-  if (journal_.descriptor < 0) fail_to_write(journal_.path, errno);
-  if (::flock(journal_.descriptor, LOCK_EX | LOCK_NB) != 0) {
-    fail("{}: another run is writing it", journal_.path.string());
-  }
+  journal_.descriptor = open_own_file_alone(journal_.path, O_CREAT, "another run is writing it");
 }
 
 void GrowingFiles::begin_anew(const std::string& head) {
@@ -184,7 +172,7 @@ void GrowingFiles::begin_anew(const std::string& head) {
 
 void GrowingFiles::write_heads(const std::string& journal_head) {
   for (OpenFile& file : files_) {
-    if (file.descriptor < 0) file.descriptor = open_file(file.partial, O_CREAT);
+    if (file.descriptor < 0) file.descriptor = open_own_file(file.partial, O_CREAT);
     if (file.descriptor < 0) fail_to_write(file.partial, errno);
     cut(file.descriptor, 0, file.partial);
     write_piece(file.descriptor, 0, file.head, file.partial);
@@ -205,7 +193,7 @@ bool GrowingFiles::restore(const std::string& head) {
   require_same(found, head_lines(head), journal_.path);
   for (OpenFile& file : files_) {
     file.end = file.head.size();
-    file.descriptor = open_file(file.partial, 0);
+    file.descriptor = open_own_file(file.partial, 0);
     if (file.descriptor < 0 && errno != ENOENT) fail_to_write(file.partial, errno);
   }
   restore_records(head.size());

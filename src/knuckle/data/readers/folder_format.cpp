@@ -66,14 +66,6 @@ std::string top_as_toml(const FolderDescription& description) {
   return text;
 }
 
-/// One's own convention is a file beside the description: a data set is whole by itself.
-Convention convention_of_folder(const std::string& text, const std::filesystem::path& folder) {
-  if (!text.ends_with(".toml")) return convention_from_name(text);
-  const std::filesystem::path file(text);
-  if (file != file.filename()) fail("is \"{}\"; expected the name of a file in the same folder", text);
-  return convention_from_file(folder / file);
-}
-
 }  // namespace
 
 void CameraOptions::visit(OptionVisitor& visitor) {
@@ -119,7 +111,7 @@ FolderDescription read_folder_description(const std::filesystem::path& path) {
   description.camera = with_pixel_origin(description.camera, description.pixel_origin, PixelOrigin::centre);
   if (options.convention.empty()) return description;
   try {
-    description.convention = convention_of_folder(options.convention, path.parent_path());
+    description.convention = convention_in_folder(options.convention, path.parent_path());
   } catch (const Error& error) {
     table.fail_at("convention", error.what());
   }

@@ -9,12 +9,11 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/regular_file.h"
 #include "knuckle/storage/deflate.h"
+#include "knuckle/storage/own_file.h"
 
 namespace fs = std::filesystem;
 
@@ -32,17 +31,6 @@ using Checksum = std::uint32_t;
 
 std::string system_message(int code) {
   return std::generic_category().message(code);
-}
-
-int open_for_this_run(const fs::path& path) {
-  constexpr int kMode = 0666;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, kMode);
-  if (descriptor < 0) fail("{}: cannot write: {}", path.string(), system_message(errno));
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    ::close(descriptor);
-    fail("{}: another run is writing it", path.string());
-  }
-  return descriptor;
 }
 
 std::span<const std::uint8_t> as_bytes(std::string_view text) {
@@ -70,10 +58,9 @@ bool is_frame_log(const fs::path& path) {
 }
 
 FrameLog::FrameLog(fs::path path, std::string_view identity)
-    : path_(std::move(path)), descriptor_(open_for_this_run(path_)) {
+    : path_(std::move(path)), descriptor_(open_own_file_alone(path_, O_CREAT, "another run is writing it")) {
   const std::string head = fmt::format("{}{}\n{}\n", kMagic, identity.size(), identity);
   try {
-    require_regular_file(path_);
     restore(head);
   } catch (...) {
     ::close(descriptor_);
