@@ -3,16 +3,23 @@
 #include "program.h"
 
 #include <cstdlib>
+#include <map>
 
 #include "knuckle/core/text_file.h"
+#include "knuckle/data/readers/h5_source.h"
+#include "knuckle/data/writers/h5_writer.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace fs = std::filesystem;
 
 namespace knuckle::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr const char* kDemoManifest = "manifests/demo.toml";
 
@@ -78,6 +85,50 @@ TEST_F(ShardsTest, WhatIsMissingIsNamedAndMadeAgainAlone) {
   EXPECT_THAT(join(4), Succeeded());
 }
 
+/// What is damaged is set aside and made anew; what is whole is left, whatever else is in the folder.
+TEST_F(ShardsTest, ABrokenPartIsMadeAnew) {
+  ASSERT_THAT(run_program(rendering(0, 8)), Succeeded());
+  const std::string whole = read_text_file(part(0));
+  const std::vector<float> joints = Hdf5File::open(part(0)).read<float>("joints_mm").values;
+  const std::size_t place = whole.find(reinterpret_cast<const char*>(joints.data()), 0, 66 * sizeof(float));
+  ASSERT_NE(place, std::string::npos);
+  std::string damaged = whole;
+  damaged[place + 5] = static_cast<char>(damaged[place + 5] ^ 1);
+  for (const std::string& broken : {damaged, whole.substr(0, whole.size() / 2), std::string("nothing")}) {
+    write_text_file(part(0), broken);
+    const ProgramRun again = run_program(rendering(0, 8));
+    ASSERT_EQ(again.status, 0) << again.error;
+    EXPECT_THAT(again.error, AllOf(StartsWith("warning: " + part(0)), HasSubstr("is rendered again")));
+    EXPECT_EQ(error_lines(again).size(), 1U);
+    EXPECT_THAT(again.out, Not(HasSubstr("was there")));
+    EXPECT_TRUE(read_text_file(part(0)) == whole);
+    EXPECT_TRUE(read_text_file(part(0) + ".broken") == broken);
+  }
+}
+
+TEST_F(ShardsTest, APartByAnotherVersionIsRefused) {
+  ASSERT_THAT(run_program(rendering(0, 8)), Succeeded());
+  const H5Source source(part(0));
+  FrameWriterOptions options;
+  options.first = source.facts().frames.first;
+  options.count = source.facts().frames.count;
+  options.part_of = source.facts().part_of;
+  options.manifest = source.facts().manifest;
+  options.generator = "knuckle 0.1, generator 0";
+  {
+    H5Writer writer(path("parts/old.h5"), options);
+    for (std::int64_t i = 0; i < source.size(); ++i) writer.write(options.first + i, source.read(i));
+    writer.finish();
+  }
+  EXPECT_THAT(source.facts().generator, StartsWith("knuckle "));
+  ASSERT_THAT(run_program(rendering(1, 8)), Succeeded());
+  EXPECT_THAT(run_program({"join", "--out", path("joined.h5"), path("parts/old.h5"), part(1)}),
+              FailedWith("was made by another program"));
+  fs::rename(path("parts/old.h5"), part(0));
+  EXPECT_THAT(run_program(rendering(0, 8)), FailedWith("was rendered by knuckle 0.1, generator 0, this is"));
+  EXPECT_TRUE(fs::exists(part(0)));
+}
+
 TEST_F(ShardsTest, PartsOfOtherSetsAreRefused) {
   ASSERT_THAT(run_program(rendering(0, 2)), Succeeded());
   write_text_file(path("other.toml"), read_text_file(kDemoManifest) + "\n# another\n");
@@ -102,14 +153,19 @@ TEST_F(ShardsTest, WrongShardsAreRefused) {
 }
 
 TEST_F(ShardsTest, ATaskOfAnArrayKnowsItsPart) {
-  ::setenv("SLURM_ARRAY_TASK_ID", "7", 1);
-  ::setenv("SLURM_ARRAY_TASK_MIN", "6", 1);
-  ::setenv("SLURM_ARRAY_TASK_COUNT", "8", 1);
-  const ProgramRun run =
-      run_program({"render", "--manifest", kDemoManifest, "--shard", "auto", "--out", part(1)});
-  for (const char* const name : {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_COUNT"})
-    ::unsetenv(name);
-  ASSERT_THAT(run, Succeeded());
+  const auto render_as_task = [&](const std::map<std::string, std::string>& variables) {
+    for (const auto& [name, value] : variables)
+      ::setenv(("SLURM_ARRAY_TASK_" + name).c_str(), value.c_str(), 1);
+    const ProgramRun run =
+        run_program({"render", "--manifest", kDemoManifest, "--shard", "auto", "--out", part(1)});
+    for (const auto& [name, value] : variables) ::unsetenv(("SLURM_ARRAY_TASK_" + name).c_str());
+    return run;
+  };
+  EXPECT_THAT(render_as_task({{"ID", "2"}, {"MIN", "2"}, {"MAX", "5"}, {"COUNT", "2"}, {"STEP", "1"}}),
+              FailedWith("expected an array 0-(N-1)"));
+  EXPECT_FALSE(fs::exists(part(1)));
+  ASSERT_THAT(render_as_task({{"ID", "1"}, {"MIN", "0"}, {"MAX", "7"}, {"COUNT", "8"}, {"STEP", "1"}}),
+              Succeeded());
   ASSERT_THAT(run_program({"render", "--manifest", kDemoManifest, "--shard", "1/8", "--out", part(2)}),
               Succeeded());
   EXPECT_TRUE(read_text_file(part(1)) == read_text_file(part(2)));

@@ -158,13 +158,22 @@ def slurm(place):
     say("start")
     try:
         for kind in KINDS:
-            step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *place.forest(kind, f"{kind}.two", 2)]
-            succeeded(place.start(step, SLURM_CONF=str(cluster / "slurm.conf"), MASTER_ADDR="127.0.0.1"))
+            # By hand, then by the script, for an allocation of both tasks.
+            arguments = place.forest(kind, f"{kind}.two", 2)
+            step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *arguments]
+            slurm_conf = str(cluster / "slurm.conf")
+            succeeded(place.start(step, SLURM_CONF=slurm_conf, MASTER_ADDR="127.0.0.1"))
+            log = place.folder / f"{kind}.log"
+            job = ["sbatch", "--wait", "--ntasks=2", "--overcommit", f"--output={log}", f"--chdir={PROJECT}",
+                   PROJECT / "scripts/slurm/train_forest.sh", kind, arguments[arguments.index("--config") + 1], place.folder / f"{kind}.job"]
+            process = place.start(job, SLURM_CONF=slurm_conf, KNUCKLE=str(place.program), SLURM_OVERCOMMIT="1")
+            assert ended(process)[0] == 0, log.read_text()
+            assert "2 workers" in log.read_text(), log.read_text()
     finally:
         say("stop")
     for kind in KINDS:
         succeeded(place.start(place.forest(kind, f"{kind}.one", 1)))
-        assert place.bytes_of(f"{kind}.one") == place.bytes_of(f"{kind}.two"), kind
+        assert place.bytes_of(f"{kind}.one") == place.bytes_of(f"{kind}.two") == place.bytes_of(f"{kind}.job"), kind
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A data set in eight parts, by a Slurm array and by GNU parallel: two are killed, the same command is given again, and the
-joined file has the bytes of one process. Skipped by name where Slurm or GNU parallel is missing.
+"""A data set in eight parts, by a Slurm array and by GNU parallel: two are killed, what is missing is made by the same command
+or, with Slurm, by these two tasks alone, one part is damaged and made anew, and the joined file has the bytes of one process.
+Skipped by name where Slurm or GNU parallel is missing.
 
     parts_test.py slurm|parallel PROGRAM
 """
@@ -14,11 +15,14 @@ import sys
 import tempfile
 import time
 
+import h5py
+
 SKIPPED = 77
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = PROJECT / "manifests/demo.toml"
 PARTS = 8
 KILLED = (2, 5)
+DAMAGED = 3
 # Stands for the program, and kills it at the first attempt of some parts, once a frame is written.
 KILLER = """#!/usr/bin/env bash
 out=${{@: -1}}
@@ -53,7 +57,8 @@ class Parallel:
             skip("GNU parallel is missing")
         del folder
 
-    def render(self, parts, environment):
+    def render(self, parts, environment, numbers=None):
+        del numbers  # it looks at all of them
         done = subprocess.run([PROJECT / "scripts/render_parts.sh", MANIFEST, str(PARTS), parts, "2"], env=environment, check=False,
                               capture_output=True)
         return done.returncode == 0
@@ -75,11 +80,12 @@ class Slurm:
         subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, self.folder], check=True, stdout=subprocess.DEVNULL,
                        env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"})
 
-    def render(self, parts, environment):
+    def render(self, parts, environment, numbers=None):
+        array = f"0-{PARTS - 1}" if numbers is None else ",".join(str(number) for number in numbers)
         environment = {**environment, **self.environment}
         log = self.folder / "job-%a.log"
-        said = subprocess.run(["sbatch", f"--array=0-{PARTS - 1}", f"--output={log}", f"--chdir={PROJECT}",
-                               PROJECT / "scripts/slurm/render_array.sh", MANIFEST, parts], env=environment, check=True,
+        said = subprocess.run(["sbatch", f"--array={array}", f"--output={log}", f"--chdir={PROJECT}",
+                               PROJECT / "scripts/slurm/render_array.sh", MANIFEST, str(PARTS), parts], env=environment, check=True,
                               capture_output=True, text=True).stdout
         job = re.search(r"\d+", said).group()
         while subprocess.run(["squeue", "--noheader", f"--jobs={job}"], env=environment, capture_output=True, text=True,
@@ -89,6 +95,14 @@ class Slurm:
 
     def stop(self):
         self.cluster("stop")
+
+
+def damage(part):
+    """One byte of the joints."""
+    content = bytearray(part.read_bytes())
+    with h5py.File(part) as file:
+        content[file["joints_mm"].id.get_offset() + 5] ^= 1
+    part.write_bytes(content)
 
 
 def run(cluster, program, folder):
@@ -101,12 +115,17 @@ def run(cluster, program, folder):
     written = {name: (parts / name).stat().st_mtime_ns for name in left}
     refused = subprocess.run(join, capture_output=True, text=True, check=False)
     assert refused.returncode == 1 and "part-00002.h5" in refused.stderr, refused
-    assert cluster.render(parts, environment), "the same command again makes what is missing"
+    assert cluster.render(parts, environment, KILLED), "the same command again makes what is missing"
     assert written == {name: (parts / name).stat().st_mtime_ns for name in left}, "parts that were whole were left alone"
+    damage(parts / f"part-{DAMAGED:05}.h5")
+    refused = subprocess.run(join, capture_output=True, text=True, check=False)
+    assert refused.returncode == 1 and f"part-{DAMAGED:05}.h5" in refused.stderr, refused
+    assert cluster.render(parts, environment), "the same command again makes what is broken"
+    assert (parts / f"part-{DAMAGED:05}.h5.broken").exists()
     subprocess.run(join, check=True, stdout=subprocess.DEVNULL)
     subprocess.run([program, "render", "--manifest", MANIFEST, "--out", folder / "whole.h5"], check=True, stdout=subprocess.DEVNULL)
     assert (folder / "joined.h5").read_bytes() == (folder / "whole.h5").read_bytes()
-    print(f"{PARTS} parts, {len(KILLED)} of them killed and made again: the bytes of one process")
+    print(f"{PARTS} parts, {len(KILLED)} of them killed, one damaged, and made again: the bytes of one process")
 
 
 def main():

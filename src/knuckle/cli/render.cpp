@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "knuckle/cli/finished_part.h"
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
 #include "knuckle/core/interruption.h"
@@ -11,10 +12,10 @@
 #include "knuckle/core/shard.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
-#include "knuckle/data/readers/h5_source.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/data/writers/frame_writer.h"
 #include "knuckle/eval/pictures/contact_sheet.h"
+#include "knuckle/synth/generator_version.h"
 #include "knuckle/synth/manifest.h"
 #include "knuckle/synth/synthetic_source.h"
 
@@ -63,23 +64,13 @@ std::string interruption_of(const RenderArguments& arguments, std::int64_t done,
                      arguments.format == "h5" ? "; the same command goes on" : "");
 }
 
-/// Whether the file is the part that is to be made: whoever runs a shard again does not lose it.
-bool is_there(const std::filesystem::path& out, const FrameWriterOptions& options) {
-  if (!options.part_of || !std::filesystem::exists(out)) return false;
-  const H5Facts found = H5Source(out).facts();
-  if (found.frames == IndexRange{options.first, options.count} && found.part_of == options.part_of &&
-      found.manifest == options.manifest) {
-    return true;
-  }
-  fail("{}: is another part, or of another set; remove it, or name another file", out.string());
-}
-
 FrameWriterOptions writer_options(const RenderArguments& arguments, const IndexRange& whole,
                                   const IndexRange& frames) {
   FrameWriterOptions options;
   options.first = frames.first;
   options.count = frames.count;
   options.manifest = read_text_file(arguments.manifest);
+  options.generator = fmt::format("knuckle {}, generator {}", KNUCKLE_VERSION, kGeneratorVersion);
   if (!arguments.shard.empty()) options.part_of = whole;
   return options;
 }
@@ -87,8 +78,8 @@ FrameWriterOptions writer_options(const RenderArguments& arguments, const IndexR
 void write_frames(const RenderArguments& arguments, const FrameSource& source,
                   const FrameWriterOptions& options) {
   const std::int64_t count = options.count;
-  if (is_there(arguments.out, options)) {
-    fmt::print("{} frames: {} (was there)\n", count, printable(arguments.out.string()));
+  if (is_part_finished(arguments.out, options)) {
+    fmt::print("{} frames: {} (was there, and is whole)\n", count, printable(arguments.out.string()));
     return;
   }
   const auto writer = create_frame_writer(arguments.format, arguments.out, options);
@@ -155,7 +146,8 @@ void add_render(CLI::App& program) {
       ->capture_default_str();
   verb.add_option(
           "--shard", arguments->shard,
-          "The I-th (from 0) of N parts alone, for `knuckle join`; auto: that of the task of a Slurm array")
+          "The I-th (from 0) of N parts alone, for `knuckle join`; auto: that of the task of a Slurm array "
+          "0-(N-1)")
       ->type_name("I/N");
   verb.callback([arguments] { run_render(*arguments); });
 }

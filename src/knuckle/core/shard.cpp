@@ -31,7 +31,8 @@ std::optional<std::int64_t> number_in_environment(const char* name) {
   return number;
 }
 
-/// Tasks of an array may be numbered in steps, from any number on.
+/// Tasks have to be numbered from 0 on without a gap: of `--array=2,5`, or 2-3, nobody knows whether these
+/// are all parts, or those of eight that were missing.
 Shard shard_of_slurm() {
   const auto task = number_in_environment("SLURM_ARRAY_TASK_ID");
   const auto count = number_in_environment("SLURM_ARRAY_TASK_COUNT");
@@ -40,13 +41,15 @@ Shard shard_of_slurm() {
   }
   const std::int64_t first = number_in_environment("SLURM_ARRAY_TASK_MIN").value_or(0);
   const std::int64_t step = number_in_environment("SLURM_ARRAY_TASK_STEP").value_or(1);
-  const bool is_regular = step >= 1 && *task >= first && (*task - first) % step == 0;
-  const Shard shard{is_regular ? (*task - first) / step : -1, *count};
-  if (shard.number < 0 || shard.number >= shard.count) {
-    fail("--shard auto: task {} is none of {} tasks from {} on in steps of {}; say I/N", *task, *count, first,
-         step);
+  const std::int64_t last = number_in_environment("SLURM_ARRAY_TASK_MAX").value_or(*count - 1);
+  if (first != 0 || step != 1 || last != *count - 1 || *task > last) {
+    fail(
+        "--shard auto: this is task {} of {} from {} to {} in steps of {}, expected an array 0-(N-1) of all "
+        "N "
+        "parts; for some of them alone say --shard I/N",
+        *task, *count, first, last, step);
   }
-  return shard;
+  return {*task, *count};
 }
 
 }  // namespace

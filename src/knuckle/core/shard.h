@@ -23,8 +23,9 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-/// "I/N" as a shard; "auto" is that of the task of a Slurm job array, as its environment tells. Throws an
-/// Error that says what was expected where the text is neither, or no such task is running.
+/// "I/N" as a shard; "auto" is that of the task of a Slurm job array 0-(N-1), as its environment tells.
+/// Throws an Error that says what was expected where the text is neither, no such task is running, or its
+/// array is numbered in another way.
 Shard shard_from_text(std::string_view text);
 
 /// The part of `whole` that is a shard's: parts are contiguous, follow each other, and their lengths differ

@@ -10,6 +10,7 @@
 namespace knuckle {
 namespace {
 
+using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 
@@ -44,7 +45,7 @@ TEST(Shard, PartsAreTheWhole) {
 class SlurmTask : public ::testing::Test {
  protected:
   void TearDown() override {
-    for (const char* const name : {"ID", "COUNT", "MIN", "STEP"}) ::unsetenv(variable(name).c_str());
+    for (const char* const name : {"ID", "COUNT", "MIN", "MAX", "STEP"}) ::unsetenv(variable(name).c_str());
   }
   static std::string variable(const std::string& name) { return "SLURM_ARRAY_TASK_" + name; }
   static void set(const std::map<std::string, std::string>& values) {
@@ -55,8 +56,10 @@ class SlurmTask : public ::testing::Test {
 TEST_F(SlurmTask, IsTheShardOfAnArray) {
   set({{"ID", "3"}, {"COUNT", "8"}});
   EXPECT_EQ(shard_from_text("auto"), (Shard{3, 8}));
-  set({{"ID", "14"}, {"COUNT", "3"}, {"MIN", "10"}, {"STEP", "2"}});
-  EXPECT_EQ(shard_from_text("auto"), (Shard{2, 3}));
+  set({{"ID", "7"}, {"MIN", "0"}, {"MAX", "7"}, {"STEP", "1"}});
+  EXPECT_EQ(shard_from_text("auto"), (Shard{7, 8}));
+  set({{"ID", "0"}, {"COUNT", "1"}, {"MAX", "0"}});
+  EXPECT_EQ(shard_from_text("auto"), (Shard{0, 1}));
 }
 
 TEST_F(SlurmTask, OutsideOfAnArrayItSaysSo) {
@@ -66,12 +69,27 @@ TEST_F(SlurmTask, OutsideOfAnArrayItSaysSo) {
   ::unsetenv(variable("COUNT").c_str());
   set({{"ID", "3"}});
   EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("no task of a Slurm job array"));
-  set({{"ID", "8"}, {"COUNT", "8"}});
-  EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("task 8 is none of 8 tasks"));
-  set({{"ID", "11"}, {"COUNT", "8"}, {"MIN", "10"}, {"STEP", "2"}});
-  EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("none of"));
-  set({{"STEP", "0"}});
-  EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("none of"));
+}
+
+/// Of some tasks of a larger array Slurm says their own count: their parts would be others.
+TEST_F(SlurmTask, OfSomeTasksOfAnArrayItIsRefused) {
+  using Variables = std::map<std::string, std::string>;
+  const Variables all = {{"ID", "2"}, {"COUNT", "8"}, {"MIN", "0"}, {"MAX", "7"}, {"STEP", "1"}};
+  for (const Variables& other : {Variables{{"ID", "8"}},
+                                 {{"COUNT", "2"}, {"MIN", "2"}, {"MAX", "5"}},
+                                 {{"COUNT", "2"}, {"MIN", "0"}, {"MAX", "2"}},
+                                 {{"COUNT", "2"}, {"MIN", "2"}, {"MAX", "3"}},
+                                 {{"COUNT", "4"}, {"MAX", "6"}, {"STEP", "2"}},
+                                 {{"MIN", "1"}},
+                                 {{"COUNT", "9"}},
+                                 {{"STEP", "0"}}}) {
+    set(all);
+    set(other);
+    EXPECT_THAT(error_of([] { shard_from_text("auto"); }),
+                AllOf(HasSubstr("expected an array 0-(N-1)"), HasSubstr("say --shard I/N")));
+  }
+  set(all);
+  EXPECT_EQ(shard_from_text("auto"), (Shard{2, 8}));
   set({{"STEP", "x"}});
   EXPECT_THAT(error_of([] { shard_from_text("auto"); }), HasSubstr("SLURM_ARRAY_TASK_STEP is 'x'"));
 }

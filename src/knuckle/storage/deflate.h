@@ -25,7 +25,7 @@ bool inflate(std::span<const std::uint8_t> stream, std::span<std::uint8_t> to);
 
 /// Whether a sum is the expected one. Always, where the compiler builds for fuzzing: what lies after a sum
 /// could not be reached by changing bytes at random.
-inline bool is_sum([[maybe_unused]] std::uint32_t found, [[maybe_unused]] std::uint32_t expected) {
+inline bool is_sum([[maybe_unused]] std::uint64_t found, [[maybe_unused]] std::uint64_t expected) {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
   return true;
 #else

@@ -77,8 +77,12 @@ void FrameLog::restore(const std::string& head) {
   std::string found(std::min<std::uint64_t>(head.size(), file_size), '\0');
   const bool is_read = read_at(0, {reinterpret_cast<std::uint8_t*>(found.data()), found.size()}) &&
                        found.size() >= kMagic.size();
-  if (is_read && found.starts_with(kMagic) && !head.starts_with(found))
-    fail("{}: is left from a run with another manifest or other frames; remove it", path_.string());
+  if (is_read && found.starts_with(kMagic) && !head.starts_with(found)) {
+    fail(
+        "{}: is left from a run with another manifest or other frames, or of another version of the program; "
+        "end it with what began it, or remove the file",
+        path_.string());
+  }
   if (is_read && found == head) {
     end_ = head.size();
     while (restore_record(file_size)) {

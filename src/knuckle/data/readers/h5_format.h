@@ -11,8 +11,9 @@
 
 namespace knuckle {
 
-// The Knuckle dataset, an HDF5 file, version 2. Attributes of the root: `format`, `version`, `complete` (1
-// once all frames are in), `first_index`, `manifest` (text), `depth_unit_mm` (millimetres a count of depth),
+// The Knuckle dataset, an HDF5 file, version 3. Attributes of the root: `format`, `version`, `complete` (1
+// once all frames are in), `first_index`, `manifest` (text), `generator` (text: the program and version that
+// rendered the frames; may be missing), `depth_unit_mm` (millimetres a count of depth),
 // `joints_unit`, `landmarks` (names of the rows of joints_mm), `pixel_origin` ("centre"), `camera_model`,
 // `width`, `height`, `fx`, `fy`, `cx`, `cy`, `distortion` (8, OpenCV's order); in a part of a set that was
 // made in several, `part_of_first` and `part_of_count`, the frames of the whole. Arrays, a row per frame:
@@ -31,6 +32,9 @@ inline constexpr std::string_view kH5Time = "time_s";
 /// 0.
 inline constexpr std::string_view kH5Sequence = "sequence";
 
+/// N x 2 uint64, the sums of each frame's numbers and images (frame_sums.h); missing before version 3.
+inline constexpr std::string_view kH5FrameSums = "frame_sums";
+
 /// N x H x W uint8, a PixelLabel each; may be missing.
 inline constexpr std::string_view kH5Labels = "labels";
 // All hands in view, frame by frame, M in all; these arrays may be missing, all together.
@@ -43,6 +47,8 @@ inline constexpr std::string_view kH5HandsOccluders = "hands_occluders";
 /// M float64: the part of a hand's pixels that nothing else hides, [0, 1].
 inline constexpr std::string_view kH5HandsVisible = "hands_visible_share";
 
+/// Attribute: the program that rendered the frames.
+inline constexpr std::string_view kH5Generator = "generator";
 /// Attribute of a part of a set: number of the whole set's first frame.
 inline constexpr std::string_view kH5PartOfFirst = "part_of_first";
 /// Attribute of a part of a set: frames of the whole set.
@@ -50,8 +56,10 @@ inline constexpr std::string_view kH5PartOfCount = "part_of_count";
 
 /// What the file calls itself.
 inline constexpr std::string_view kH5Format = "knuckle-dataset";
-/// The newest version that is known; 2 added the intrinsics of each frame.
-inline constexpr int kH5Version = 2;
+/// The newest version that is known; 2 added the intrinsics of each frame, 3 its sums.
+inline constexpr int kH5Version = 3;
+/// The first version whose files have sums: in these none may be missing.
+inline constexpr int kH5VersionWithSums = 3;
 
 /// The side as its number in the file, and back. Throws an Error that starts with `where` at other numbers.
 std::int8_t code_of(std::optional<HandSide> side);

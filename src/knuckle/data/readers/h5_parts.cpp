@@ -2,11 +2,11 @@
 #include "knuckle/data/readers/h5_parts.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <glob.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
 
 namespace fs = std::filesystem;
 
@@ -20,9 +20,16 @@ std::string text_of(const IndexRange& frames) {
                            : fmt::format("frames {} to {} are", frames.first, frames.end() - 1);
 }
 
+std::string program_of(const H5Facts& facts) {
+  return facts.generator.empty() ? "a program that does not say its version" : facts.generator;
+}
+
 /// Which of the things that parts must share differs; empty where none does.
 std::string difference(const H5Facts& first, const H5Facts& other) {
   if (other.manifest != first.manifest) return "was made from another manifest";
+  if (other.generator != first.generator) {
+    return fmt::format("was made by another program ({}, not {})", program_of(other), program_of(first));
+  }
   if (other.part_of != first.part_of) return "is a part of another set";
   if (other.depth_unit_mm != first.depth_unit_mm) return "has another unit of depth";
   if (other.camera.width != first.camera.width || other.camera.height != first.camera.height ||
@@ -36,51 +43,117 @@ std::string difference(const H5Facts& first, const H5Facts& other) {
   return "";
 }
 
+/// A part that could be opened.
+struct Part {
+  fs::path path;
+  H5Facts facts;     ///< without the manifest, which is the same in each of many parts
+  std::size_t kind;  ///< its number in a PartList
+};
+
+/// Parts in the making of one set, and what is wrong with them.
+class PartList {
+ public:
+  void open(const fs::path& path) {
+    try {
+      H5Facts facts = H5Source(path).facts();
+      const std::size_t kind = kind_of(path, facts);
+      facts.manifest.clear();
+      parts_.push_back({path, std::move(facts), kind});
+    } catch (const Error& error) {
+      faults_.emplace_back(error.what());
+    }
+  }
+
+  /// Those that fit together, in the order of their frames. Throws where any is wrong, twice there or
+  /// missing.
+  std::vector<Part> ordered() {
+    if (!kinds_.empty()) {
+      leave_out_foreign();
+      std::ranges::stable_sort(parts_, {}, [](const Part& part) { return part.facts.frames.first; });
+      note_missing_and_double();
+    }
+    if (!faults_.empty()) fail_with_all(faults_);
+    parts_.front().facts.manifest = kinds_[parts_.front().kind].facts.manifest;
+    return std::move(parts_);
+  }
+
+ private:
+  /// Parts of one set.
+  struct Kind {
+    fs::path path;  ///< the first of them
+    H5Facts facts;
+    std::int64_t count = 0;
+  };
+
+  std::size_t kind_of(const fs::path& path, const H5Facts& facts) {
+    auto kind = std::ranges::find_if(
+        kinds_, [&](const Kind& known) { return difference(known.facts, facts).empty(); });
+    if (kind == kinds_.end()) kind = kinds_.insert(kind, {path, facts});
+    ++kind->count;
+    return static_cast<std::size_t>(kind - kinds_.begin());
+  }
+
+  /// What most are is the set; the first kind, where several are as many.
+  void leave_out_foreign() {
+    const auto set = std::ranges::max_element(kinds_, {}, &Kind::count);
+    const auto number = static_cast<std::size_t>(set - kinds_.begin());
+    for (const Part& part : parts_) {
+      if (part.kind == number) continue;
+      faults_.push_back(fmt::format("{}: {} than {}; expected parts of one set", part.path.string(),
+                                    difference(set->facts, kinds_[part.kind].facts), set->path.string()));
+    }
+    std::erase_if(parts_, [&](const Part& part) { return part.kind != number; });
+  }
+
+  void note_missing_and_double() {
+    const IndexRange first = parts_.front().facts.frames;
+    const IndexRange whole = parts_.front().facts.part_of.value_or(
+        IndexRange{first.first, parts_.back().facts.frames.end() - first.first});
+    std::int64_t next = whole.first;
+    const auto note_missing = [&](std::int64_t end, const fs::path& part, std::string_view side) {
+      if (end <= next) return;
+      faults_.push_back(
+          fmt::format("{}: {} missing {} it", part.string(), text_of({next, end - next}), side));
+    };
+    const Part* last = nullptr;  // of those so far, the one that reaches farthest
+    for (const Part& part : parts_) {
+      const IndexRange frames = part.facts.frames;
+      note_missing(frames.first, part.path, "before");
+      if (last != nullptr && frames.first < next) {
+        const std::int64_t end = std::min(next, frames.end());
+        faults_.push_back(fmt::format("{}: {} in {}, too; expected parts of one set, each once",
+                                      part.path.string(), text_of({frames.first, end - frames.first}),
+                                      last->path.string()));
+      }
+      if (last == nullptr || frames.end() > next) last = &part;
+      next = std::max(next, frames.end());
+    }
+    note_missing(whole.end(), last->path, "after");
+  }
+
+  std::vector<Part> parts_;
+  std::vector<Kind> kinds_;
+  std::vector<std::string> faults_;
+};
+
 }  // namespace
+
+void fail_with_all(const std::vector<std::string>& faults) {
+  constexpr std::size_t kMostNamed = 20;
+  const auto named = static_cast<std::ptrdiff_t>(std::min(faults.size(), kMostNamed));
+  std::string line = joined({faults.begin(), faults.begin() + named}, "; ");
+  if (faults.size() > kMostNamed) line += fmt::format("; ... and {} more", faults.size() - kMostNamed);
+  throw Error(line);
+}
 
 H5Parts::H5Parts(const std::vector<fs::path>& paths) {
   if (paths.empty()) fail("no part of a set was given");
-  std::vector<H5Facts> facts;
-  for (const fs::path& path : paths) facts.push_back(H5Source(path).facts());
-  std::vector<std::size_t> order(paths.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::ranges::stable_sort(order, {}, [&](std::size_t part) { return facts[part].frames.first; });
-  for (const std::size_t part : order) {
-    paths_.push_back(paths[part]);
-    facts_.push_back(std::move(facts[part]));
-    check_alike(paths_.size() - 1);
-    if (paths_.size() > 1) facts_.back().manifest.clear();  // the same again, for each of many parts
+  PartList list;
+  for (const fs::path& path : paths) list.open(path);
+  for (Part& part : list.ordered()) {
+    paths_.push_back(std::move(part.path));
+    facts_.push_back(std::move(part.facts));
   }
-  check_frames();
-}
-
-void H5Parts::check_alike(std::size_t part) const {
-  const std::string found = difference(facts_.front(), facts_[part]);
-  if (!found.empty()) {
-    fail("{}: {} than {}; expected parts of one set", paths_[part].string(), found, paths_.front().string());
-  }
-}
-
-/// That none is missing, and none is there twice.
-void H5Parts::check_frames() const {
-  const IndexRange first = facts_.front().frames;
-  const IndexRange whole =
-      facts_.front().part_of.value_or(IndexRange{first.first, facts_.back().frames.end() - first.first});
-  std::int64_t next = whole.first;
-  const auto require = [&](std::int64_t end, const fs::path& part, std::string_view side) {
-    if (end > next) fail("{}: {} missing {} it", part.string(), text_of({next, end - next}), side);
-  };
-  for (std::size_t part = 0; part < facts_.size(); ++part) {
-    const IndexRange frames = facts_[part].frames;
-    require(frames.first, paths_[part], "before");
-    if (frames.first < next) {
-      const std::int64_t end = std::min(next, frames.end());
-      fail("{}: {} in {}, too; expected parts of one set, each once", paths_[part].string(),
-           text_of({frames.first, end - frames.first}), paths_[part - 1].string());
-    }
-    next = frames.end();
-  }
-  require(whole.end(), paths_.back(), "after");
 }
 
 std::int64_t H5Parts::size() const {

@@ -19,9 +19,10 @@ namespace knuckle {
 /// time, however many there are. Safe to be used by many threads.
 class H5Parts {
  public:
-  /// Throws an Error that names the file where one is wrong or unfinished, was made from another manifest,
-  /// holds frames that another holds too, or is of another size, unit or kind than the first; and one that
-  /// says which frames are missing, between them or, where the files say what they are parts of, at the ends.
+  /// Throws an Error that names all faults: files that are broken or unfinished, that were made from another
+  /// manifest, by another program, or are of another size, unit or kind than most; that hold frames that
+  /// another holds too; and which frames are missing, between them or, where the files say what they are
+  /// parts of, at the ends.
   explicit H5Parts(const std::vector<std::filesystem::path>& paths);
 
   std::int64_t size() const;
@@ -34,8 +35,6 @@ class H5Parts {
 
  private:
   std::shared_ptr<const H5Source> open(std::size_t part) const;
-  void check_alike(std::size_t part) const;
-  void check_frames() const;
 
   std::vector<std::filesystem::path> paths_;  ///< in the order of their frames
   std::vector<H5Facts> facts_;                ///< of each; manifests of the first alone
@@ -57,6 +56,9 @@ class H5PartsSource final : public FrameSource {
  private:
   H5Parts parts_;
 };
+
+/// Throws an Error of one line with these faults, or as many as a person reads and how many more there are.
+[[noreturn]] void fail_with_all(const std::vector<std::string>& faults);
 
 /// Whether a path is a pattern of `*` or `[...]`, and no file's own name.
 bool names_several_files(const std::filesystem::path& path);

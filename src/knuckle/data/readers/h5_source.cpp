@@ -11,21 +11,28 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/limits.h"
+#include "knuckle/core/parallel.h"
+#include "knuckle/core/progress.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/frame_log.h"
+#include "knuckle/data/readers/frame_sums.h"
 #include "knuckle/data/readers/h5_format.h"
 #include "knuckle/data/truth.h"
+#include "knuckle/storage/deflate.h"
 
 namespace knuckle {
 namespace {
 
 constexpr std::uint64_t kIntrinsicsPerFrame = 4;
+constexpr std::uint64_t kSumsPerFrame = 2;
 
 Hdf5File open_whole(const std::filesystem::path& path) {
   constexpr std::string_view kUnfinished = "{}: is unfinished; let the run that writes it end";
   if (is_frame_log(path)) fail(kUnfinished, path.string());
   Hdf5File file = Hdf5File::open(path);
-  file.require_format(kH5Format, kH5Version);
+  const int version = file.require_format(kH5Format, kH5Version);
+  if (version >= kH5VersionWithSums && !file.has(kH5FrameSums))
+    fail("{}: {}: the array is missing; the file is damaged", path.string(), kH5FrameSums);
   if (file.number_attribute("complete") != 1) fail(kUnfinished, path.string());
   return file;
 }
@@ -46,6 +53,26 @@ std::int64_t whole_number(const Hdf5File& file, std::string_view attribute) {
   return static_cast<std::int64_t>(value);
 }
 
+HandTruth hand_truth(const StoredHand& hand, const Projection& projection, std::string_view where) {
+  HandTruth truth;
+  const std::optional<HandSide> side = side_of(hand.side, where);
+  if (!side) fail("{}: one of its hands has no side", where);
+  truth.side = *side;
+  const std::vector<double> xyz(hand.joints_mm.begin(), hand.joints_mm.end());
+  truth.pose = pose_from_camera(superset_convention(), xyz, projection);
+  for (const std::uint8_t occluder : hand.occluders) {
+    if (occluder > static_cast<std::uint8_t>(Occluder::border)) {
+      fail("{}: {}: holds {}, expected 0 to {}", where, kH5HandsOccluders, occluder,
+           static_cast<int>(Occluder::border));
+    }
+    truth.occluders.push_back(static_cast<Occluder>(occluder));
+  }
+  truth.visible_share = hand.visible_share;
+  if (!(truth.visible_share >= 0.0 && truth.visible_share <= 1.0))
+    fail("{}: {}: is {}, expected 0 to 1", where, kH5HandsVisible, truth.visible_share);
+  return truth;
+}
+
 }  // namespace
 
 H5Source::H5Source(const std::filesystem::path& path)
@@ -59,7 +86,8 @@ H5Source::H5Source(const std::filesystem::path& path)
       has_joints_(file_.has(kH5Joints)),
       has_intrinsics_(file_.has(kH5Intrinsics)),
       has_side_(file_.has(kH5Side)),
-      has_labels_(file_.has(kH5Labels)) {
+      has_labels_(file_.has(kH5Labels)),
+      has_sums_(file_.has(kH5FrameSums)) {
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
@@ -74,9 +102,11 @@ H5Source::H5Source(const std::filesystem::path& path)
   if (has_labels_) require_shape(kH5Labels, images);
   if (file_.has(kH5Time)) require_shape(kH5Time, {count});
   if (file_.has(kH5Sequence)) require_shape(kH5Sequence, {count});
+  if (has_sums_) require_shape(kH5FrameSums, {count, kSumsPerFrame});
   size_ = static_cast<std::int64_t>(count);
   timeline_ = read_timeline();
   if (file_.has(kH5HandsEnd)) read_hands_ends();
+  if (has_sums_) facts_sum_ = sum_of_facts(facts_of_all());
 }
 
 void H5Source::read_hands_ends() {
@@ -151,24 +181,15 @@ Camera H5Source::read_frame_camera(std::uint64_t row) const {
   return camera;
 }
 
-std::optional<HandPose> H5Source::read_truth(std::uint64_t row, const Camera& camera) const {
-  if (!has_joints_) return std::nullopt;
-  std::vector<float> joints_mm(std::size_t{kSupersetSize} * 3);
-  file_.read_rows(kH5Joints, row, 1, joints_mm.data());
-  const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
-  return known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(camera)));
-}
-
-std::optional<HandSide> H5Source::read_side(std::uint64_t row) const {
-  if (!has_side_) return std::nullopt;
-  std::int8_t code = 0;
-  file_.read_rows(kH5Side, row, 1, &code);
-  return side_of(code, fmt::format("{}: frame {}", file_.path().string(), row));
+template <class T>
+Image<T> H5Source::read_image(std::string_view array, std::uint64_t row) const {
+  Image<T> pixels(camera_.width, camera_.height);
+  file_.read_rows(array, row, 1, pixels.data());
+  return pixels;
 }
 
 Image<std::uint8_t> H5Source::read_labels(std::uint64_t row) const {
-  Image<std::uint8_t> labels(camera_.width, camera_.height);
-  file_.read_rows(kH5Labels, row, 1, labels.data());
+  Image<std::uint8_t> labels = read_image<std::uint8_t>(kH5Labels, row);
   constexpr auto kLast = static_cast<std::uint8_t>(PixelLabel::object);
   const auto worst = std::ranges::max(labels.pixels());
   if (worst > kLast) {
@@ -178,71 +199,17 @@ Image<std::uint8_t> H5Source::read_labels(std::uint64_t row) const {
   return labels;
 }
 
-std::vector<HandTruth> H5Source::read_hands(std::uint64_t row, const Projection& projection) const {
-  std::vector<HandTruth> hands;
-  const std::string where = fmt::format("{}: frame {}", file_.path().string(), row);
-  const std::int64_t first = row == 0 ? 0 : hands_ends_[row - 1];
-  for (std::int64_t hand = first; hand < hands_ends_[row]; ++hand)
-    hands.push_back(read_hand(static_cast<std::uint64_t>(hand), projection, where));
-  return hands;
-}
-
-HandTruth H5Source::read_hand(std::uint64_t hand, const Projection& projection,
-                              const std::string& where) const {
-  HandTruth truth;
-  std::int8_t side = 0;
-  file_.read_rows(kH5HandsSide, hand, 1, &side);
-  const std::optional<HandSide> known_side = side_of(side, where);
-  if (!known_side) fail("{}: one of its hands has no side", where);
-  truth.side = *known_side;
-  std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};
-  file_.read_rows(kH5HandsJoints, hand, 1, joints_mm.data());
-  const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
-  truth.pose = pose_from_camera(superset_convention(), xyz, projection);
-  std::array<std::uint8_t, kSupersetSize> occluders{};
-  file_.read_rows(kH5HandsOccluders, hand, 1, occluders.data());
-  for (const std::uint8_t occluder : occluders) {
-    if (occluder > static_cast<std::uint8_t>(Occluder::border)) {
-      fail("{}: {}: holds {}, expected 0 to {}", where, kH5HandsOccluders, occluder,
-           static_cast<int>(Occluder::border));
-    }
-    truth.occluders.push_back(static_cast<Occluder>(occluder));
-  }
-  file_.read_rows(kH5HandsVisible, hand, 1, &truth.visible_share);
-  if (!(truth.visible_share >= 0.0 && truth.visible_share <= 1.0))
-    fail("{}: {}: is {}, expected 0 to 1", where, kH5HandsVisible, truth.visible_share);
-  return truth;
-}
-
-H5Facts H5Source::facts() const {
-  H5Facts facts;
-  facts.frames = {first_index_, size_};
-  if (file_.has_attribute(kH5PartOfFirst)) {
-    facts.part_of = IndexRange{whole_number(file_, kH5PartOfFirst), whole_number(file_, kH5PartOfCount)};
-    if (facts.part_of->first > facts.frames.first || facts.part_of->end() < facts.frames.end()) {
-      fail("{}: holds frames {} to {}, but calls itself a part of {} to {}", file_.path().string(),
-           facts.frames.first, facts.frames.end() - 1, facts.part_of->first, facts.part_of->end() - 1);
-    }
-  }
-  facts.manifest = file_.text_attribute("manifest");
-  facts.depth_unit_mm = depth_unit_mm_;
-  facts.camera = read_frame_camera(0);
-  facts.has_infrared = has_infrared_;
-  facts.has_mask = has_mask_;
-  facts.has_labels = has_labels_;
-  facts.has_time = !timeline_.times_s.empty();
-  return facts;
-}
-
-template <class T>
-std::vector<std::uint8_t> H5Source::read_chunk(std::string_view array, std::uint64_t row) const {
-  Image<T> pixels(camera_.width, camera_.height);
-  file_.read_rows(array, row, 1, pixels.data());
-  return chunk_of(pixels);
+StoredImages H5Source::read_images(std::uint64_t row) const {
+  StoredImages images{.depth = read_image<std::uint16_t>(kH5Depth, row)};
+  if (has_infrared_) images.infrared = read_image<std::uint16_t>(kH5Infrared, row);
+  if (has_mask_) images.mask = read_image<std::uint8_t>(kH5Mask, row);
+  if (has_labels_) images.labels = read_labels(row);
+  return images;
 }
 
 std::vector<StoredHand> H5Source::read_stored_hands(std::uint64_t row) const {
   std::vector<StoredHand> hands;
+  if (hands_ends_.empty()) return hands;
   const std::int64_t first = row == 0 ? 0 : hands_ends_[row - 1];
   for (std::int64_t i = first; i < hands_ends_[row]; ++i) {
     const auto number = static_cast<std::uint64_t>(i);
@@ -255,24 +222,94 @@ std::vector<StoredHand> H5Source::read_stored_hands(std::uint64_t row) const {
   return hands;
 }
 
+/// All of a frame but its images, as it stands in the file.
+StoredFrame H5Source::read_numbers(std::uint64_t row) const {
+  const auto index = static_cast<std::int64_t>(row);
+  StoredFrame numbers;
+  numbers.camera = read_frame_camera(row);
+  numbers.side = code_of(std::nullopt);
+  if (has_side_) file_.read_rows(kH5Side, row, 1, &numbers.side);
+  numbers.time_s = timeline_.time_s(index).value_or(kNaN);
+  numbers.sequence = timeline_.sequence(index);
+  numbers.joints_mm.fill(std::numeric_limits<float>::quiet_NaN());
+  if (has_joints_) file_.read_rows(kH5Joints, row, 1, numbers.joints_mm.data());
+  numbers.hands = read_stored_hands(row);
+  return numbers;
+}
+
+/// That a frame is what was written. What is impossible was refused before, in words that say more.
+void H5Source::check_sums(std::uint64_t row, const StoredFrame& numbers, const StoredImages* images) const {
+  require_unchanged();
+  if (!has_sums_) return;
+  std::array<std::uint64_t, kSumsPerFrame> sums{};
+  file_.read_rows(kH5FrameSums, row, 1, sums.data());
+  const auto require = [&](bool is_right, std::string_view what) {
+    if (is_right) return;
+    fail("{}: frame {}: its {} are not those that were written; the file is damaged: make or copy it again",
+         file_.path().string(), row, what);
+  };
+  const std::int64_t number = first_index_ + static_cast<std::int64_t>(row);
+  require(is_sum(sum_of_numbers(numbers, number, facts_sum_), sums[0]), "numbers");
+  if (images != nullptr) require(is_sum(sum_of_images(*images), sums[1]), "images");
+}
+
+FrameLabel H5Source::label_of(std::uint64_t row, const StoredFrame& numbers) const {
+  const auto index = static_cast<std::int64_t>(row);
+  FrameLabel label{.camera = numbers.camera, .truth = std::nullopt};
+  label.name = name_of(index);
+  label.time_s = timeline_.time_s(index);
+  label.sequence = numbers.sequence;
+  label.side = side_of(numbers.side, fmt::format("{}: frame {}", file_.path().string(), row));
+  if (has_joints_) {
+    const std::vector<double> xyz(numbers.joints_mm.begin(), numbers.joints_mm.end());
+    label.truth = known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(numbers.camera)));
+  }
+  return label;
+}
+
+std::vector<HandTruth> H5Source::hands_of(std::uint64_t row, const StoredFrame& numbers) const {
+  std::vector<HandTruth> hands;
+  const std::string where = fmt::format("{}: frame {}", file_.path().string(), row);
+  const Projection projection(numbers.camera);
+  for (const StoredHand& hand : numbers.hands) hands.push_back(hand_truth(hand, projection, where));
+  return hands;
+}
+
+H5Facts H5Source::facts_of_all() const {
+  H5Facts facts;
+  facts.frames = {first_index_, size_};
+  if (file_.has_attribute(kH5PartOfFirst)) {
+    facts.part_of = IndexRange{whole_number(file_, kH5PartOfFirst), whole_number(file_, kH5PartOfCount)};
+    if (facts.part_of->first > facts.frames.first || facts.part_of->end() < facts.frames.end()) {
+      fail("{}: holds frames {} to {}, but calls itself a part of {} to {}", file_.path().string(),
+           facts.frames.first, facts.frames.end() - 1, facts.part_of->first, facts.part_of->end() - 1);
+    }
+  }
+  facts.manifest = file_.text_attribute("manifest");
+  if (file_.has_attribute(kH5Generator)) facts.generator = file_.text_attribute(kH5Generator);
+  facts.depth_unit_mm = depth_unit_mm_;
+  facts.camera = camera_;
+  facts.has_infrared = has_infrared_;
+  facts.has_mask = has_mask_;
+  facts.has_labels = has_labels_;
+  facts.has_time = !timeline_.times_s.empty();
+  return facts;
+}
+
+H5Facts H5Source::facts() const {
+  H5Facts facts = facts_of_all();
+  facts.camera = read_frame_camera(0);
+  return facts;
+}
+
 StoredFrame H5Source::read_stored(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
-  StoredFrame stored;
-  stored.camera = read_frame_camera(row);
-  stored.side = code_of(read_side(row));
-  stored.time_s = timeline_.time_s(index).value_or(kNaN);
-  stored.sequence = timeline_.sequence(index);
-  stored.joints_mm.fill(std::numeric_limits<float>::quiet_NaN());
-  if (has_joints_) file_.read_rows(kH5Joints, row, 1, stored.joints_mm.data());
-  stored.depth = read_chunk<std::uint16_t>(kH5Depth, row);
-  if (has_infrared_) stored.infrared = read_chunk<std::uint16_t>(kH5Infrared, row);
-  if (has_mask_) stored.mask = read_chunk<std::uint8_t>(kH5Mask, row);
-  if (has_labels_) stored.labels = chunk_of(read_labels(row));
-  if (!hands_ends_.empty()) {
-    (void)read_hands(row, Projection(stored.camera));  // throws where one is impossible
-    stored.hands = read_stored_hands(row);
-  }
-  require_unchanged();
+  StoredFrame stored = read_numbers(row);
+  const StoredImages images = read_images(row);
+  (void)label_of(row, stored);  // throws where something is impossible
+  (void)hands_of(row, stored);
+  check_sums(row, stored, &images);
+  pack(images, stored);
   return stored;
 }
 
@@ -282,38 +319,41 @@ std::string H5Source::name_of(std::int64_t index) const {
 
 FrameLabel H5Source::read_label(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
-  const Camera camera = read_frame_camera(row);
-  std::optional<HandPose> truth = read_truth(row, camera);
-  const std::optional<HandSide> side = read_side(row);
-  require_unchanged();
-  return {camera, std::move(truth), timeline_.time_s(index), timeline_.sequence(index), name_of(index), side};
+  const StoredFrame numbers = read_numbers(row);
+  FrameLabel label = label_of(row, numbers);
+  check_sums(row, numbers, nullptr);
+  return label;
 }
 
 Frame H5Source::read(std::int64_t index) const {
   const std::uint64_t row = row_of(index);
+  const StoredFrame numbers = read_numbers(row);
+  StoredImages images = read_images(row);
+  FrameLabel label = label_of(row, numbers);
   Frame frame;
-  frame.name = name_of(index);
-  frame.camera = read_frame_camera(row);
-  Image<std::uint16_t> counts(camera_.width, camera_.height);
-  file_.read_rows(kH5Depth, row, 1, counts.data());
-  frame.depth_mm = depth_from_counts(counts, depth_unit_mm_);
-  if (has_infrared_) {
-    frame.infrared = Image<std::uint16_t>(camera_.width, camera_.height);
-    file_.read_rows(kH5Infrared, row, 1, frame.infrared.data());
-  }
-  if (has_mask_) {
-    frame.mask = Image<std::uint8_t>(camera_.width, camera_.height);
-    file_.read_rows(kH5Mask, row, 1, frame.mask.data());
-    frame.mask = mask_from_pixels(std::move(frame.mask));
-  }
-  if (has_labels_) frame.labels = read_labels(row);
-  if (!hands_ends_.empty()) frame.hands = read_hands(row, Projection(frame.camera));
-  frame.truth = read_truth(row, frame.camera);
-  frame.side = read_side(row);
-  frame.time_s = timeline_.time_s(index);
-  frame.sequence = timeline_.sequence(index);
-  require_unchanged();
+  frame.hands = hands_of(row, numbers);
+  check_sums(row, numbers, &images);
+  frame.name = std::move(label.name);
+  frame.camera = label.camera;
+  frame.truth = std::move(label.truth);
+  frame.side = label.side;
+  frame.time_s = label.time_s;
+  frame.sequence = label.sequence;
+  frame.depth_mm = depth_from_counts(images.depth, depth_unit_mm_);
+  frame.infrared = std::move(images.infrared);
+  if (has_mask_) frame.mask = mask_from_pixels(std::move(images.mask));
+  frame.labels = std::move(images.labels);
   return frame;
+}
+
+void check_h5(const std::filesystem::path& path) {
+  const H5Source source(path);
+  (void)source.facts();
+  Progress progress("check", "frames", source.size());
+  parallel_for(source.size(), [&](std::int64_t index) {
+    (void)source.read(index);
+    progress.advance();
+  });
 }
 
 }  // namespace knuckle

@@ -6,29 +6,17 @@
 #include <optional>
 
 #include "knuckle/camera/projection.h"
-#include "knuckle/core/shard.h"
 #include "knuckle/data/frame_source.h"
+#include "knuckle/data/readers/h5_facts.h"
 #include "knuckle/data/readers/stored_frame.h"
 #include "knuckle/data/readers/timeline.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle {
 
-/// What a Knuckle dataset says of all its frames.
-struct H5Facts {
-  IndexRange frames;                       ///< by the numbers that they have in the whole set
-  std::optional<IndexRange> part_of = {};  ///< that whole, where the file is a part of a set made in several
-  std::string manifest;                    ///< how they were made
-  double depth_unit_mm = 0.1;
-  Camera camera;  ///< of the first frame
-  bool has_infrared = false;
-  bool has_mask = false;
-  bool has_labels = false;
-  bool has_time = false;
-};
-
-/// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time; a
-/// file that is cut short or replaced meanwhile is an Error of the frame that is read.
+/// The Knuckle dataset, one HDF5 file (h5_format.h says what is in it). Reads one frame's rows at a time, and
+/// compares their sums: damage, and a file that is cut short or replaced meanwhile, is an Error of the frame
+/// that is read.
 class H5Source final : public FrameSource {
  public:
   /// Throws an Error that names the file where it is missing, cut short, no Knuckle dataset, of an unknown
@@ -48,18 +36,20 @@ class H5Source final : public FrameSource {
   void require_shape(std::string_view array, const std::vector<std::uint64_t>& expected) const;
   Timeline read_timeline() const;
   void require_unchanged() const;
+  H5Facts facts_of_all() const;
   std::uint64_t row_of(std::int64_t index) const;
   std::string name_of(std::int64_t index) const;
   Camera read_frame_camera(std::uint64_t row) const;
-  std::optional<HandSide> read_side(std::uint64_t row) const;
-  std::optional<HandPose> read_truth(std::uint64_t row, const Camera& camera) const;
-  void read_hands_ends();
-  Image<std::uint8_t> read_labels(std::uint64_t row) const;
-  std::vector<HandTruth> read_hands(std::uint64_t row, const Projection& projection) const;
-  HandTruth read_hand(std::uint64_t hand, const Projection& projection, const std::string& where) const;
+  StoredFrame read_numbers(std::uint64_t row) const;
   std::vector<StoredHand> read_stored_hands(std::uint64_t row) const;
+  StoredImages read_images(std::uint64_t row) const;
   template <class T>
-  std::vector<std::uint8_t> read_chunk(std::string_view array, std::uint64_t row) const;
+  Image<T> read_image(std::string_view array, std::uint64_t row) const;
+  Image<std::uint8_t> read_labels(std::uint64_t row) const;
+  void check_sums(std::uint64_t row, const StoredFrame& numbers, const StoredImages* images) const;
+  FrameLabel label_of(std::uint64_t row, const StoredFrame& numbers) const;
+  std::vector<HandTruth> hands_of(std::uint64_t row, const StoredFrame& numbers) const;
+  void read_hands_ends();
 
   Hdf5File file_;
   std::uintmax_t bytes_;  ///< of the file as it was opened
@@ -73,8 +63,14 @@ class H5Source final : public FrameSource {
   bool has_intrinsics_;
   bool has_side_;
   bool has_labels_;
+  bool has_sums_;
+  std::uint64_t facts_sum_ = 0;           ///< where it has sums
   std::vector<std::int64_t> hands_ends_;  ///< of each frame; empty where hands are not known
   Timeline timeline_;
 };
+
+/// Reads all frames of a Knuckle dataset, on all cores. Throws an Error as H5Source does where something in
+/// it is not what was written.
+void check_h5(const std::filesystem::path& path);
 
 }  // namespace knuckle

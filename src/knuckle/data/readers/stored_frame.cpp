@@ -8,6 +8,7 @@
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/landmarks.h"
 #include "knuckle/data/readers/depth_image.h"
+#include "knuckle/data/readers/frame_sums.h"
 #include "knuckle/data/readers/h5_format.h"
 #include "knuckle/storage/deflate.h"
 
@@ -22,7 +23,8 @@ struct Head {
   std::int32_t sequence;
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm;
   std::array<std::uint64_t, 4> sizes;  ///< of depth, infrared, mask, labels [bytes]
-  std::uint64_t hands;                 ///< their number; they follow the images
+  std::uint64_t images_sum;
+  std::uint64_t hands;  ///< their number; they follow the images
 };
 static_assert(std::is_trivially_copyable_v<Head> && std::is_trivially_copyable_v<StoredHand>);
 
@@ -52,14 +54,33 @@ StoredHand stored_hand(const HandTruth& hand, const Projection& projection) {
   return stored;
 }
 
-}  // namespace
-
+/// Counts with low and high bytes apart, deflated; nothing where there is no image.
 std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& counts) {
+  if (counts.empty()) return {};
   return deflated(shuffled(counts.pixels()));
 }
 
 std::vector<std::uint8_t> chunk_of(const Image<std::uint8_t>& pixels) {
+  if (pixels.empty()) return {};
   return deflated(pixels.pixels());
+}
+
+StoredImages stored_images(const Frame& frame, double depth_unit_mm, std::string_view where) {
+  StoredImages images{.depth = counts_from_depth(frame.depth_mm, depth_unit_mm, where),
+                      .infrared = frame.infrared,
+                      .labels = frame.labels};
+  if (!frame.mask.empty()) images.mask = mask_from_pixels(frame.mask);
+  return images;
+}
+
+}  // namespace
+
+void pack(const StoredImages& images, StoredFrame& frame) {
+  frame.depth = chunk_of(images.depth);
+  frame.infrared = chunk_of(images.infrared);
+  frame.mask = chunk_of(images.mask);
+  frame.labels = chunk_of(images.labels);
+  frame.images_sum = sum_of_images(images);
 }
 
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where) {
@@ -71,20 +92,17 @@ StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_v
   stored.sequence = frame.sequence;
   stored.joints_mm =
       joints_in_camera(frame.truth.value_or(HandPose::missing(superset_convention())), projection);
-  stored.depth = chunk_of(counts_from_depth(frame.depth_mm, depth_unit_mm, where));
-  if (!frame.infrared.empty()) stored.infrared = chunk_of(frame.infrared);
-  if (!frame.mask.empty()) stored.mask = chunk_of(mask_from_pixels(frame.mask));
-  if (!frame.labels.empty()) stored.labels = chunk_of(frame.labels);
+  pack(stored_images(frame, depth_unit_mm, where), stored);
   for (const HandTruth& hand : frame.hands) stored.hands.push_back(stored_hand(hand, projection));
   return stored;
 }
 
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame) {
   const Head head{
-      frame.camera,      frame.side,
-      frame.time_s,      frame.sequence,
-      frame.joints_mm,   {frame.depth.size(), frame.infrared.size(), frame.mask.size(), frame.labels.size()},
-      frame.hands.size()};
+      frame.camera,     frame.side,
+      frame.time_s,     frame.sequence,
+      frame.joints_mm,  {frame.depth.size(), frame.infrared.size(), frame.mask.size(), frame.labels.size()},
+      frame.images_sum, frame.hands.size()};
   std::vector<std::uint8_t> bytes(sizeof(head));
   std::memcpy(bytes.data(), &head, sizeof(head));
   for (const auto* image : {&frame.depth, &frame.infrared, &frame.mask, &frame.labels})
@@ -102,7 +120,8 @@ StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes) {
                     .side = head.side,
                     .time_s = head.time_s,
                     .sequence = head.sequence,
-                    .joints_mm = head.joints_mm};
+                    .joints_mm = head.joints_mm,
+                    .images_sum = head.images_sum};
   const std::uint8_t* place = bytes.data() + sizeof(head);
   std::size_t image = 0;
   for (auto* pixels : {&frame.depth, &frame.infrared, &frame.mask, &frame.labels}) {

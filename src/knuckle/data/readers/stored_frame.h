@@ -19,6 +19,14 @@ struct StoredHand {
   double visible_share = 1.0;
 };
 
+/// The images of a frame as a Knuckle dataset has them.
+struct StoredImages {
+  Image<std::uint16_t> depth;          ///< counts, 0 = no measurement
+  Image<std::uint16_t> infrared = {};  ///< empty where there is none
+  Image<std::uint8_t> mask = {};       ///< the same
+  Image<std::uint8_t> labels = {};     ///< the same
+};
+
 /// A frame as it will stand in a Knuckle dataset: its images as chunks of the file, compressed.
 struct StoredFrame {
   Camera camera;
@@ -30,6 +38,7 @@ struct StoredFrame {
   std::vector<std::uint8_t> infrared = {};                        ///< the same; empty where there is none
   std::vector<std::uint8_t> mask = {};                            ///< deflated; empty where there is none
   std::vector<std::uint8_t> labels = {};                          ///< the same
+  std::uint64_t images_sum = 0;                                   ///< of all their pixels (frame_sums.h)
   std::vector<StoredHand> hands = {};                             ///< all in view
 };
 
@@ -37,10 +46,8 @@ struct StoredFrame {
 /// exceeds what 16 bits hold.
 StoredFrame stored_frame(const Frame& frame, double depth_unit_mm, std::string_view where);
 
-/// The images of a Knuckle dataset as its chunks: counts with low and high bytes apart, deflated.
-std::vector<std::uint8_t> chunk_of(const Image<std::uint16_t>& counts);
-/// Pixels as a deflated chunk.
-std::vector<std::uint8_t> chunk_of(const Image<std::uint8_t>& pixels);
+/// Puts the images into the frame, as chunks, and notes their sum.
+void pack(const StoredImages& images, StoredFrame& frame);
 
 /// As one piece, for a FrameLog of this program.
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame);

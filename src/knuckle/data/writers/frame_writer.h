@@ -42,7 +42,8 @@ struct FrameWriterOptions {
       0.1;  ///< millimetres a count of depth, (0, 1000]; folder and h5: 0.1 reaches to 6.5 m
   PixelOrigin pixel_origin = PixelOrigin::centre;  ///< of the files of folder; h5 has centre, icg corner
   std::string manifest;                            ///< how the frames were made, kept as text; h5 only
-  std::optional<IndexRange> part_of = {};          ///< of which whole set these frames are a part; h5 only
+  std::string generator;  ///< the program that makes them, where their bytes hang on its version; h5 only
+  std::optional<IndexRange> part_of = {};  ///< of which whole set these frames are a part; h5 only
 };
 
 /// folder, h5, icg.

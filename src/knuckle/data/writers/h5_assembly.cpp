@@ -12,6 +12,7 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/text.h"
+#include "knuckle/data/readers/frame_sums.h"
 #include "knuckle/data/readers/h5_format.h"
 #include "knuckle/data/readers/timeline.h"
 #include "knuckle/storage/file_io.h"
@@ -94,7 +95,7 @@ std::vector<StoredFrame> read_several(const ReadStoredFrame& read, std::int64_t 
 class H5Assembly {
  public:
   H5Assembly(Hdf5Writer& file, const H5Facts& facts, std::string where)
-      : file_(file), facts_(facts), where_(std::move(where)) {}
+      : file_(file), facts_(facts), facts_sum_(sum_of_facts(facts)), where_(std::move(where)) {}
 
   void write(const ReadStoredFrame& read) {
     write_head();
@@ -116,6 +117,7 @@ class H5Assembly {
       file_.set_attribute(kH5PartOfCount, static_cast<double>(facts_.part_of->count));
     }
     file_.set_attribute("manifest", facts_.manifest);
+    if (!facts_.generator.empty()) file_.set_attribute(kH5Generator, facts_.generator);
     file_.set_attribute("depth_unit_mm", facts_.depth_unit_mm);
     file_.set_attribute("joints_unit", "mm, in camera coordinates: x right, y down, z forward");
     file_.set_attribute("landmarks", landmark_names());
@@ -135,6 +137,7 @@ class H5Assembly {
     file_.create_dataset<std::int8_t>(kH5Side, {rows()}, {});
     if (facts_.has_time) file_.create_dataset<double>(kH5Time, {rows()}, {});
     file_.create_dataset<std::int32_t>(kH5Sequence, {rows()}, {});
+    file_.create_dataset<std::uint64_t>(kH5FrameSums, {rows(), 2}, {});
   }
 
   void write_frames(const ReadStoredFrame& read) {
@@ -143,6 +146,7 @@ class H5Assembly {
     RowBlock<float> joints(file_, kH5Joints);
     RowBlock<double> intrinsics(file_, kH5Intrinsics);
     RowBlock<std::int8_t> sides(file_, kH5Side);
+    RowBlock<std::uint64_t> sums(file_, kH5FrameSums);
     HandsOfFrames hands;
     Timeline timeline;
     Progress progress("assemble", "frames", count);
@@ -150,11 +154,13 @@ class H5Assembly {
       const std::int64_t block = std::min(kFramesAtOnce, count - first);
       std::int64_t index = first;
       for (const StoredFrame& frame : read_several(read, facts_.frames.first + first, block)) {
-        write_images(static_cast<std::uint64_t>(index++), frame);
+        write_images(static_cast<std::uint64_t>(index), frame);
         hands.add(frame.hands);
         joints.add(frame.joints_mm);
         intrinsics.add(std::array{frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy});
         sides.add(std::array{frame.side});
+        const std::int64_t number = facts_.frames.first + index++;
+        sums.add(std::array{sum_of_numbers(frame, number, facts_sum_), frame.images_sum});
         if (facts_.has_time) timeline.times_s.push_back(frame.time_s);
         timeline.sequences.push_back(frame.sequence);
         progress.advance();
@@ -163,6 +169,7 @@ class H5Assembly {
     joints.write();
     intrinsics.write();
     sides.write();
+    sums.write();
     hands.write(file_);
     write_timeline(timeline);
   }
@@ -183,6 +190,7 @@ class H5Assembly {
 
   Hdf5Writer& file_;
   const H5Facts& facts_;
+  std::uint64_t facts_sum_;
   std::string where_;
 };
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "knuckle/data/readers/h5_source.h"
+#include "knuckle/data/readers/h5_facts.h"
 #include "knuckle/data/readers/stored_frame.h"
 #include "knuckle/storage/hdf5/hdf5_writer.h"
 

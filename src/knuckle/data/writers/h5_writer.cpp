@@ -25,8 +25,9 @@ std::string identity_of(const FrameWriterOptions& options) {
   const std::string whole =
       options.part_of ? fmt::format("part of {} from {} on\n", options.part_of->count, options.part_of->first)
                       : "";
-  return fmt::format("with hands and labels\n{}first {}\ncount {}\ndepth_unit_mm {}\n{}", whole,
-                     options.first, options.count, options.depth_unit_mm, options.manifest);
+  return fmt::format("with hands, labels and sums\n{}first {}\ncount {}\ndepth_unit_mm {}\nby {}\n{}", whole,
+                     options.first, options.count, options.depth_unit_mm, options.generator,
+                     options.manifest);
 }
 
 }  // namespace
@@ -66,6 +67,7 @@ H5Facts H5Writer::facts() const {
   facts.frames = {options_.first, count()};
   facts.part_of = options_.part_of;
   facts.manifest = options_.manifest;
+  facts.generator = options_.generator;
   facts.depth_unit_mm = options_.depth_unit_mm;
   facts.camera = stored_frame_from(log_.read(options_.first)).camera;
   facts.has_infrared = layout.has_infrared;

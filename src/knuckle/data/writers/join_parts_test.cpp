@@ -2,6 +2,7 @@
 // Parts of a set, joined or read as one.
 #include "knuckle/data/writers/join_parts.h"
 
+#include <array>
 #include <optional>
 
 #include "knuckle/core/parallel.h"
@@ -12,6 +13,7 @@
 #include "knuckle/data/readers/h5_parts.h"
 #include "knuckle/data/readers/open_dataset.h"
 #include "knuckle/data/writers/h5_writer.h"
+#include "knuckle/storage/hdf5/hdf5_writer.h"
 
 namespace fs = std::filesystem;
 
@@ -22,6 +24,7 @@ using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::noise_frame;
+using ::testing::Not;
 using testing::put_file;
 
 constexpr IndexRange kWhole{40, 23};
@@ -49,19 +52,27 @@ Frame frame_of(std::int64_t index) {
   return frame;
 }
 
+/// How a part was made.
+struct Making {
+  std::string manifest = "a = 1";
+  std::string generator = "test 1";
+  bool has_infrared = true;
+};
+
 class JoinParts : public ::testing::Test {
  protected:
   fs::path write(const std::string& name, const IndexRange& frames, const std::optional<IndexRange>& part_of,
-                 const std::string& manifest = "a = 1", bool has_infrared = true) const {
+                 const Making& making = {}) const {
     FrameWriterOptions options;
     options.first = frames.first;
     options.count = frames.count;
-    options.manifest = manifest;
+    options.manifest = making.manifest;
+    options.generator = making.generator;
     options.part_of = part_of;
     H5Writer writer(folder_ / name, options);
     parallel_for(frames.count, [&](std::int64_t i) {
       Frame frame = frame_of(frames.first + i);
-      if (!has_infrared) frame.infrared = {};
+      if (!making.has_infrared) frame.infrared = {};
       writer.write(frames.first + i, frame);
     });
     writer.finish();
@@ -153,16 +164,24 @@ TEST_F(JoinParts, FramesThatAreThereTwiceAreNamed) {
   EXPECT_THAT(fault(parts), HasSubstr("frames 40 to 50 are in"));
   EXPECT_THAT(fault({write("a.h5", {0, 4}, std::nullopt), write("b.h5", {3, 4}, std::nullopt)}),
               AllOf(HasSubstr("b.h5"), HasSubstr("frame 3 is in"), HasSubstr("a.h5")));
+  EXPECT_THAT(fault({write("c.h5", {0, 8}, std::nullopt), write("d.h5", {2, 3}, std::nullopt),
+                     write("e.h5", {8, 2}, std::nullopt)}),
+              AllOf(HasSubstr("d.h5: frames 2 to 4 are in"), HasSubstr("c.h5"), Not(HasSubstr("missing"))));
 }
 
 TEST_F(JoinParts, PartsOfDifferentSetsAreRefused) {
   const fs::path first = write("first.h5", {0, 2}, IndexRange{0, 4});
-  EXPECT_THAT(fault({first, write("b.h5", {2, 2}, IndexRange{0, 4}, "a = 2")}),
+  EXPECT_THAT(fault({first, write("b.h5", {2, 2}, IndexRange{0, 4}, {.manifest = "a = 2"})}),
               AllOf(HasSubstr("b.h5"), HasSubstr("another manifest"), HasSubstr("first.h5")));
   EXPECT_THAT(fault({first, write("c.h5", {2, 2}, IndexRange{0, 5})}), HasSubstr("part of another set"));
   EXPECT_THAT(fault({first, write("d.h5", {2, 2}, std::nullopt)}), HasSubstr("part of another set"));
-  EXPECT_THAT(fault({first, write("e.h5", {2, 2}, IndexRange{0, 4}, "a = 1", false)}),
+  EXPECT_THAT(fault({first, write("e.h5", {2, 2}, IndexRange{0, 4}, {.has_infrared = false})}),
               HasSubstr("other kinds of images"));
+  EXPECT_THAT(
+      fault({first, write("f.h5", {2, 2}, IndexRange{0, 4}, {.generator = "test 2"})}),
+      AllOf(HasSubstr("f.h5: was made by another program (test 2, not test 1)"), HasSubstr("first.h5")));
+  EXPECT_THAT(fault({first, write("g.h5", {2, 2}, IndexRange{0, 4}, {.generator = ""})}),
+              HasSubstr("g.h5: was made by another program (a program that does not say its version"));
 }
 
 TEST_F(JoinParts, BrokenAndUnfinishedPartsAreNamed) {
@@ -178,28 +197,81 @@ TEST_F(JoinParts, BrokenAndUnfinishedPartsAreNamed) {
   EXPECT_THAT(fault({folder_ / "u.h5.partial"}), HasSubstr("is unfinished"));
 }
 
-/// A changed byte of an image is noticed by its sum while it is joined, and nothing is left of the joined
-/// file.
-TEST_F(JoinParts, AChangedImageIsNoticed) {
+/// Whatever byte of a part is changed: it is noticed while it is joined, and nothing is left of the joined
+/// file, or the joined file has the bytes that it has without.
+TEST_F(JoinParts, AChangedByteIsNoticed) {
   const std::vector<fs::path> parts = write_parts(2);
+  join_parts(parts, folder_ / "out.h5");
+  const std::string expected = read_text_file(folder_ / "out.h5");
   const std::string whole = read_text_file(parts[0]);
   int noticed = 0;
   constexpr int kChanges = 60;
   Random random(4);
   for (int i = 0; i < kChanges; ++i) {
+    fs::remove(folder_ / "out.h5");
     std::string damaged = whole;
-    const std::size_t place = whole.size() / 2 + random.below(static_cast<std::uint32_t>(whole.size() / 2));
+    const std::size_t place = random.below(static_cast<std::uint32_t>(whole.size()));
     damaged[place] = static_cast<char>(damaged[place] ^ 0x10);
     put_file(parts[0], damaged);
     try {
       join_parts(parts, folder_ / "out.h5");
-    } catch (const Error&) {
+      EXPECT_TRUE(read_text_file(folder_ / "out.h5") == expected) << "byte " << place;
+    } catch (const Error& error) {
       ++noticed;
+      EXPECT_THAT(error.what(), HasSubstr("part0.h5"));
       EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
     }
-    fs::remove(folder_ / "out.h5");
   }
   EXPECT_GT(noticed, kChanges / 2);
+}
+
+TEST_F(JoinParts, AllFaultsAreNamedInOneLine) {
+  std::vector<fs::path> parts = write_parts(7);  // 40 to 42, 43 to 45, ..., 59 to 62
+  fs::remove(parts[1]);
+  put_file(parts[3], "no set");
+  write("part5.h5", {56, 3}, kWhole, {.manifest = "a = 2"});
+  parts.push_back(parts[6]);
+  const std::string line = fault(parts);
+  for (const char* const expected :
+       {"part1.h5: the file is missing; ", "part3.h5: ", "part5.h5: was made from another manifest than",
+        "frames 43 to 45 are missing before it", "frames 49 to 52 are missing before it",
+        "frames 56 to 58 are missing before it", "part6.h5: frames 59 to 62 are in"}) {
+    EXPECT_THAT(line, HasSubstr(expected));
+  }
+  EXPECT_THAT(line, Not(HasSubstr("\n")));
+  EXPECT_THAT(line, Not(HasSubstr("more")));
+}
+
+/// Of three parts the one that is unlike the others is foreign, wherever it stands.
+TEST_F(JoinParts, WhatMostPartsAreIsTheSet) {
+  std::vector<fs::path> parts{write("a.h5", {0, 2}, IndexRange{0, 6}, {.manifest = "a = 2"}),
+                              write("b.h5", {2, 2}, IndexRange{0, 6}),
+                              write("c.h5", {4, 2}, IndexRange{0, 6})};
+  const std::string line = fault(parts);
+  EXPECT_THAT(line, HasSubstr("a.h5: was made from another manifest than " + parts[1].string()));
+  EXPECT_THAT(line, Not(HasSubstr("c.h5: was made")));
+  EXPECT_THAT(line, HasSubstr("b.h5: frames 0 to 1 are missing before it"));
+}
+
+TEST_F(JoinParts, OfManyFaultsThereIsANumber) {
+  std::vector<fs::path> parts;
+  for (int i = 0; i < 31; ++i) parts.push_back(folder_ / fmt::format("none{}.h5", i));
+  const std::string line = fault(parts);
+  EXPECT_THAT(line, AllOf(HasSubstr("none0.h5"), HasSubstr("none19.h5"), Not(HasSubstr("none20.h5"))));
+  EXPECT_THAT(line, ::testing::EndsWith("; ... and 11 more"));
+}
+
+/// Damage of images and numbers shows when frames are read: all parts are, not those up to the first.
+TEST_F(JoinParts, AllDamagedPartsAreNamed) {
+  const std::vector<fs::path> parts = write_parts(4);
+  for (const std::size_t damaged : {1U, 3U}) {
+    Hdf5Writer file = Hdf5Writer::open(parts[damaged]);
+    const std::array<float, 66> joints{};
+    file.write_rows("joints_mm", 2, 1, joints.data());
+    file.close();
+  }
+  EXPECT_THAT(fault(parts), AllOf(HasSubstr("part1.h5: frame 2: its numbers"), HasSubstr("; "),
+                                  HasSubstr("part3.h5: frame 2: its numbers"), Not(HasSubstr("part0.h5"))));
 }
 
 TEST_F(JoinParts, NothingIsOverwritten) {
