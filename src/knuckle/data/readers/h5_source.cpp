@@ -39,8 +39,10 @@ Hdf5File open_whole(const std::filesystem::path& path) {
 
 double depth_unit_of(const Hdf5File& file) {
   const double unit_mm = file.number_attribute("depth_unit_mm");
-  if (!(unit_mm > 0 && std::isfinite(unit_mm)))
-    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0", file.path().string(), unit_mm);
+  if (!(unit_mm > 0 && unit_mm <= limits::kDepthUnitMm)) {
+    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0, at most {}", file.path().string(),
+         unit_mm, limits::kDepthUnitMm);
+  }
   return unit_mm;
 }
 
@@ -53,12 +55,23 @@ std::int64_t whole_number(const Hdf5File& file, std::string_view attribute) {
   return static_cast<std::int64_t>(value);
 }
 
+/// Some arrays have a number per frame and are read whole; deflate makes a thousand zeros of a byte.
+void require_frames_fit(std::uint64_t frames, std::uintmax_t bytes, const std::filesystem::path& path) {
+  constexpr auto kMost = static_cast<std::uint64_t>(limits::kFrames);
+  const std::uint64_t most = limits::kFewFrames + bytes / limits::kFrameBytes;
+  if (frames > std::min(most, kMost)) {
+    fail("{}: says that it holds {} frames, more than a file of {} bytes can; it is damaged", path.string(),
+         frames, bytes);
+  }
+}
+
 HandTruth hand_truth(const StoredHand& hand, const Projection& projection, std::string_view where) {
   HandTruth truth;
   const std::optional<HandSide> side = side_of(hand.side, where);
   if (!side) fail("{}: one of its hands has no side", where);
   truth.side = *side;
   const std::vector<double> xyz(hand.joints_mm.begin(), hand.joints_mm.end());
+  check_coordinates(xyz, fmt::format("{}: {}", where, kH5HandsJoints));
   truth.pose = pose_from_camera(superset_convention(), xyz, projection);
   for (const std::uint8_t occluder : hand.occluders) {
     if (occluder > static_cast<std::uint8_t>(Occluder::border)) {
@@ -91,6 +104,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
+  require_frames_fit(count, bytes_, path);
   const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(camera_.height),
                                           static_cast<std::uint64_t>(camera_.width)};
   require_shape(kH5Depth, images);
@@ -262,6 +276,7 @@ FrameLabel H5Source::label_of(std::uint64_t row, const StoredFrame& numbers) con
   label.side = side_of(numbers.side, fmt::format("{}: frame {}", file_.path().string(), row));
   if (has_joints_) {
     const std::vector<double> xyz(numbers.joints_mm.begin(), numbers.joints_mm.end());
+    check_coordinates(xyz, fmt::format("{}: {}: frame {}", file_.path().string(), kH5Joints, row));
     label.truth = known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(numbers.camera)));
   }
   return label;
