@@ -127,10 +127,11 @@ def check_memory(place, who):
     place.log.say("memory", f"{who}: {quarter:.1f} MB at a quarter, {half:.1f} MB at half, {end:.1f} MB at the end; at most {first:.1f} MB in the "
                             f"first half, {second:.1f} MB in the second; at most {max(d for _, _, d in memory.samples[who])} descriptors")
     runs_on = who in (LiveOn.who, LongEstimate.who)
-    growth, allowed = (end - half, 4 + 0.03 * half) if runs_on else (second - first, 16 + 0.1 * first)
-    if place.minutes < SHORT_MINUTES:
-        allowed += 100  # there are too few samples to say more
-    if growth > allowed:
+    is_short = place.minutes < SHORT_MINUTES
+    if is_short and not runs_on:
+        return  # a round or two say nothing
+    growth, allowed = (end - half, 4 + 0.03 * half) if runs_on else (second - first, 32 + 0.1 * first)
+    if growth > allowed + (32 if is_short else 0):
         place.log.broken("memory", f"{who} has grown by {growth:.1f} MB, {allowed:.1f} MB are allowed")
     descriptors = [max(count for _, count in memory.between(who, *half_of_it)) for half_of_it in ((0.0, 0.5), (0.5, 1.0))]
     if runs_on and descriptors[1] > descriptors[0] + MORE_CLIENTS:

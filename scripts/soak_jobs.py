@@ -98,7 +98,7 @@ class Job:
                 killer.cancel()
             if run.sent:
                 self.place.log.count(self.who, "kills")
-                was_killed |= run.sent[0] == signal.SIGKILL
+                was_killed |= run.sent == signal.SIGKILL
             if is_done:
                 return was_killed
             if len(self.place.log.faults) > known + 20:  # it is said by now

@@ -10,7 +10,6 @@ import subprocess
 import threading
 import time
 
-SOON_S = 5.0       # the signal may come before the program watches for it
 LONGEST_S = 300.0  # that a program may take to end once it is asked to
 
 
@@ -121,7 +120,8 @@ class Started:
     def __init__(self, place, who, arguments):
         self.place, self.who, self.arguments = place, who, [str(one) for one in arguments]
         self.begin = time.monotonic()
-        self.sent = None  # the signal that we sent, and when
+        self.sent = None  # the signal that we sent
+        self.may_die = False  # of it: the program does not watch for it yet, or cannot
         self.errors = place.folder / "errors" / who
         with self.errors.open("w") as errors:
             self.process = subprocess.Popen([place.program, *self.arguments], cwd=place.project, env=place.environment, stdout=subprocess.PIPE,
@@ -134,8 +134,17 @@ class Started:
     def kill(self, which):
         """The first signal counts."""
         if self.process.poll() is None and not self.sent:
-            self.sent = (which, time.monotonic())
+            self.sent = which
+            self.may_die = not self.watches_for(which)
             self.process.send_signal(which)
+
+    def watches_for(self, which):
+        try:
+            status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        except OSError:
+            return False
+        caught = re.search(r"SigCgt:\s+([0-9a-f]+)", status)
+        return bool(caught and int(caught[1], 16) >> (which - 1) & 1)
 
     def wait_for_line(self, pattern):
         """What it says on standard error; nothing where it ends before."""
@@ -175,14 +184,14 @@ class Started:
             if errors:
                 self.broken("ended with status 0 and an error")
             return True
-        if self.sent and status == -self.sent[0]:
-            if self.sent[0] != signal.SIGKILL and self.sent[1] - self.begin > SOON_S:
+        if self.sent and status == -self.sent:
+            if not self.may_die:
                 self.broken("did not end cleanly when it was asked to")
         elif status != 1:
             self.broken(f"ended with status {status}")
         elif len(errors) != 1:
             self.broken(f"ended with {len(errors)} lines of errors")
-        elif self.sent and self.sent[0] == signal.SIGTERM and "interrupted" in errors[0]:
+        elif self.sent == signal.SIGTERM and re.search("interrupted|nothing was recorded", errors[0]):
             self.place.log.count(self.who, "interrupted")
         elif self.place.disk.was_full(self.begin, time.monotonic()) and self.names_the_disk(errors[0]):
             self.place.log.count(self.who, "ended by the full disk")
