@@ -3,7 +3,9 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "garbage_collected.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -29,7 +31,8 @@ estimate: called with a patch, (size_px, size_px) of float32, a copy. It returns
     an array (J, 3) of: u and v from -1 (centre of the patch's first column, row) to 1 (of the last), and the depth d
     in the unit of the patch's values; or a pair of landmarks and confidence, (J,) from 0 to 1. Hands are right ones:
     left ones are shown in a mirror. It is called from the thread that estimates, with the interpreter's lock held.
-    What it raises ends the estimate and is raised there.
+    What it raises ends the estimate and is raised there. A landmark that is not finite, further than 1000 from the
+    middle of the patch or behind the camera is a knuckle.Error.
 convention: name of the J landmarks, or the file (.toml) of one of your own.
 patch: "cube": what lies in a cube around the hand, -1 at its near end, 1 at its far end and where nothing is
     measured. "hand": the segmented hand alone, in standard deviations from its mean depth, 3 where there is no hand.
@@ -43,13 +46,18 @@ Pipeline.default, .load and .from_toml take it as `estimator`, in place of the t
 [patch]. Raises knuckle.Error
 where a value is out of range.)";
 
+/// Of a landmark from the middle of its patch, in patch coordinates. A network that has learned nothing yet
+/// may be far off; beyond this the function means something else, as pixels or millimetres.
+constexpr double kFurthest = 1000.0;
+
 /// Asks the function. It belongs to Python, and may be called and left with the interpreter's lock alone.
 class FunctionEstimator final : public Estimator {
  public:
   explicit FunctionEstimator(OwnEstimator own) : own_(std::move(own)), patches_(own_.patch) {}
   ~FunctionEstimator() override {
-    const py::gil_scoped_acquire locked;
-    own_.function = py::object();
+    const WithLock locked;
+    PyObject* const function = own_.function.release().ptr();
+    in_python([&] { Py_XDECREF(function); });
   }
   FunctionEstimator(const FunctionEstimator&) = delete;
   FunctionEstimator& operator=(const FunctionEstimator&) = delete;
@@ -58,14 +66,18 @@ class FunctionEstimator final : public Estimator {
   const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return own_.passes; }
   double sure_confidence() const override { return own_.sure_confidence; }
+  py::object& function() { return own_.function; }
 
   PatchPose estimate(const HandPatch& patch) const override {
-    const py::gil_scoped_acquire locked;
-    const py::array_t<float> pixels({patch.pixels.height(), patch.pixels.width()}, patch.pixels.data());
-    const py::object answer = own_.function(pixels);
+    const WithLock locked;
+    return in_python([&] { return pose_in(answer_to(patch), patch); });
+  }
+
+ private:
+  PatchPose pose_in(const py::object& answer, const HandPatch& patch) const {
     PatchPose pose;
     if (!py::isinstance<py::tuple>(answer)) {
-      pose.joints = joints_in(answer);
+      pose.joints = joints_in(answer, patch);
       return pose;
     }
     const auto pair = py::reinterpret_borrow<py::tuple>(answer);
@@ -73,22 +85,43 @@ class FunctionEstimator final : public Estimator {
       fail("the estimator gave a tuple of {}, expected landmarks, or a pair of landmarks and confidence",
            pair.size());
     }
-    pose.joints = joints_in(pair[0]);
+    pose.joints = joints_in(pair[0], patch);
     pose.confidence = confidence_in(pair[1]);
     return pose;
   }
 
- private:
-  std::vector<PatchPoint> joints_in(const py::object& landmarks) const {
+  py::object answer_to(const HandPatch& patch) const {
+    if (!own_.function) fail("the estimator's function is gone: the interpreter has collected it as garbage");
+    const py::array_t<float> pixels({patch.pixels.height(), patch.pixels.width()}, patch.pixels.data());
+    const auto answer = py::reinterpret_steal<py::object>(
+        in_python([&] { return PyObject_CallOneArg(own_.function.ptr(), pixels.ptr()); }));
+    if (!answer) throw py::error_already_set();
+    return answer;
+  }
+
+  std::vector<PatchPoint> joints_in(const py::object& landmarks, const HandPatch& patch) const {
+    const Projection projection(patch.camera);
     const auto numbers = doubles(landmarks, {own_.convention.size(), 3}, "the estimator's landmarks");
     const auto values = numbers.unchecked<2>();
     std::vector<PatchPoint> joints;
     for (py::ssize_t i = 0; i < values.shape(0); ++i) {
       const PatchPoint& joint = joints.emplace_back(PatchPoint{values(i, 0), values(i, 1), values(i, 2)});
-      if (!std::isfinite(joint.u) || !std::isfinite(joint.v) || !std::isfinite(joint.d))
-        fail("the estimator's landmarks: {} is not finite", name_of(own_.convention.landmarks[i]));
+      check_joint(joint, projection.to_camera(patch.geometry.to_image(joint)), i);
     }
     return joints;
+  }
+
+  /// A landmark in the patch, and the place before the camera that it stands for.
+  void check_joint(const PatchPoint& joint, const Point3& place, py::ssize_t i) const {
+    const std::string_view name = name_of(own_.convention.landmarks[i]);
+    const double furthest = std::max({std::abs(joint.u), std::abs(joint.v), std::abs(joint.d)});
+    if (!std::isfinite(joint.u + joint.v + joint.d)) fail("the estimator's landmarks: {} is not finite", name);
+    if (furthest > kFurthest) {
+      fail("the estimator's landmarks: {} has the value {:g}, expected -1 to 1 within the patch, and at most {:g}",
+           name, furthest, kFurthest);
+    }
+    if (!place.allFinite() || !(place.z() > 0.0))
+      fail("the estimator's landmarks: {} lies behind the camera", name);
   }
 
   std::vector<float> confidence_in(const py::object& given) const {
@@ -153,9 +186,8 @@ using Points = py::array_t<double>;
 
 /// (N, 3), as many as there are.
 Points points_from(const py::object& values, std::string_view what) {
-  const auto array = Points::ensure(values);
-  const py::ssize_t count = array && array.ndim() == 2 ? array.shape(0) : 0;
-  return doubles(values, {count, 3}, what);
+  const Points array = real_numbers(values, what, "points, an array of the shape (N, 3)");
+  return doubles(array, {array.ndim() == 2 ? array.shape(0) : 0, 3}, what);
 }
 
 Points patch_coordinates(const HandPatch& patch, const py::object& landmarks_mm) {
@@ -183,6 +215,10 @@ Points camera_coordinates(const HandPatch& patch, const py::object& landmarks) {
   return array_of(points);
 }
 
+py::object* function_in(OwnEstimator& own) {
+  return &own.function;
+}
+
 void add_patch(py::module_& module) {
   py::class_<HandPatch>(module, "Patch", "A hand cut out of a frame: what an Estimator's function is shown.")
       .def_property_readonly(
@@ -199,13 +235,16 @@ void add_patch(py::module_& module) {
 
 }  // namespace
 
-std::unique_ptr<Estimator> estimator_of(const std::optional<OwnEstimator>& own) {
-  return own ? std::make_unique<FunctionEstimator>(*own) : nullptr;
+AskedEstimator estimator_of(const std::optional<OwnEstimator>& own) {
+  if (!own) return {};
+  auto estimator = std::make_unique<FunctionEstimator>(*own);
+  py::object& function = estimator->function();
+  return {std::move(estimator), &function};
 }
 
 void add_estimator(py::module_& module) {
   add_patch(module);
-  py::class_<OwnEstimator>(module, "Estimator", kDoc)
+  py::class_<OwnEstimator>(module, "Estimator", garbage_collected<OwnEstimator, function_in>(), kDoc)
       .def(py::init(&own_estimator), py::arg("estimate"), py::arg("convention"), py::kw_only(),
            py::arg("patch") = "cube", py::arg("size_px") = 128, py::arg("cube_mm") = 250.0,
            py::arg("passes") = 1, py::arg("sure_confidence") = 0.0)

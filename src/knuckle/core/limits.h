@@ -9,9 +9,9 @@
 namespace knuckle::limits {
 
 inline constexpr int kImageSide = 16384;  ///< width or height of an image [px]
-/// Of an image [px]. As depth of a frame (float) it takes 128 MiB, and about twice that while it is read; a
-/// thread reads one frame at a time, so many threads take as many times that.
-inline constexpr std::int64_t kImagePixels = std::int64_t{1} << 25;
+/// Of an image [px]: 8,000 x 6,000. As depth of a frame (float) it takes 192 MB, and about twice that while
+/// it is read; a thread reads one frame at a time, so many threads take as many times that.
+inline constexpr std::int64_t kImagePixels = 48'000'000;
 inline constexpr std::int64_t kFrames = 1'000'000'000;               ///< of a source
 inline constexpr int kHands = 64;                                    ///< of a frame
 inline constexpr int kJoints = 1024;                                 ///< of a hand
