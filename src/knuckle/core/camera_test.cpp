@@ -45,7 +45,7 @@ TEST(CameraTest, ImpossibleValuesAreNamed) {
   largest.height = 2048;
   EXPECT_NO_THROW(check(largest));
   EXPECT_THAT(fault([](Camera& c) { c.width = c.height = 16384; }),
-              HasSubstr("camera: has 16384 x 16384 pixels, expected at most 33554432 in all"));
+              HasSubstr("camera: has 16384 x 16384 pixels, expected at most 48000000 in all"));
   EXPECT_THAT(fault([](Camera& c) { c.fx = 0.0; }), HasSubstr("fx is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.fy = kNaN; }), HasSubstr("fy is nan"));
   EXPECT_THAT(fault([](Camera& c) { c.fy = 0.0; }), HasSubstr("fy is 0"));

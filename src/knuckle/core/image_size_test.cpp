@@ -28,8 +28,8 @@ TEST(ImageSize, ThatNoImageHasIsRefused) {
 
 TEST(ImageSize, ThatWouldTakeAGigabyteIsRefused) {
   EXPECT_THAT(fault_of_size(16384, 16384),
-              HasSubstr("here: has 16384 x 16384 pixels, expected at most 33554432 in all"));
-  EXPECT_THAT(fault_of_size(16384, 2049), HasSubstr("expected at most 33554432 in all"));
+              HasSubstr("here: has 16384 x 16384 pixels, expected at most 48000000 in all"));
+  EXPECT_THAT(fault_of_size(16384, 2930), HasSubstr("expected at most 48000000 in all"));
 }
 
 TEST(ImageSize, OtherThanTheCamerasIsRefused) {

@@ -267,8 +267,8 @@ TEST(PgmImage, NamesTheFault) {
   EXPECT_THAT(fault("P5 -2 1 65535\n"), HasSubstr("no width"));
   EXPECT_THAT(fault("P5 99999999999999999999 1 65535\n"), HasSubstr("width is above 16384"));
   EXPECT_THAT(fault("P5 16384 2048 65535\nabcd"), HasSubstr("holds 4 bytes of depth, expected 67108864"));
-  EXPECT_THAT(fault("P5 16384 2049 65535\nabcd"),
-              HasSubstr("16384 x 2049 pixels, expected at most 33554432"));
+  EXPECT_THAT(fault("P5 16384 2930 65535\nabcd"),
+              HasSubstr("16384 x 2930 pixels, expected at most 48000000"));
   EXPECT_THAT(fault("P5 2 1 255\nab"), HasSubstr("8 bits per pixel"));
   EXPECT_THAT(fault("P5 2 1 65535"), HasSubstr("cut short"));
   EXPECT_THAT(fault("P5 2 1 65535\nabcde"), HasSubstr("holds 5 bytes"));

@@ -288,7 +288,7 @@ TEST(ExrImage, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
   EXPECT_THAT(with_window(65535, 65535), HasSubstr("b.exr"));
   EXPECT_THAT(with_window(16384, 0), HasSubstr("b.exr"));
   EXPECT_THAT(with_window(16383, 16383),
-              HasSubstr("b.exr: has 16384 x 16384 pixels, expected at most 33554432"));
+              HasSubstr("b.exr: has 16384 x 16384 pixels, expected at most 48000000"));
   EXPECT_THAT(with_window(16383, 2047, 1000), HasSubstr("b.exr: says that it holds 33554432 pixels"));
   EXPECT_THAT(with_window(2147483646, 0), HasSubstr("b.exr"));
 }
