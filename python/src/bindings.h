@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "interpreter_lock.h"
+
 #include <string>
 
 #include <pybind11/pybind11.h>
@@ -21,10 +23,6 @@ void add_pipeline(pybind11::module_& module);
 void add_tracker(pybind11::module_& module);
 void add_hand_skeleton(pybind11::module_& module);
 void add_evaluation(pybind11::module_& module);
-
-/// The interpreter's lock is released while such an object lives: for computing that touches no Python
-/// object.
-using WithoutLock = pybind11::gil_scoped_release;
 
 /// What a class that is no value gets as its `__reduce__`. Without one, the old protocols of pickle make an
 /// instance that has no C++ object, and pybind11 ends the interpreter when that is freed.

@@ -48,8 +48,9 @@ class FunctionEstimator final : public Estimator {
  public:
   explicit FunctionEstimator(OwnEstimator own) : own_(std::move(own)), patches_(own_.patch) {}
   ~FunctionEstimator() override {
-    const py::gil_scoped_acquire locked;
-    own_.function = py::object();
+    const WithLock locked;
+    PyObject* const function = own_.function.release().ptr();
+    in_python([&] { Py_XDECREF(function); });
   }
   FunctionEstimator(const FunctionEstimator&) = delete;
   FunctionEstimator& operator=(const FunctionEstimator&) = delete;
@@ -60,9 +61,12 @@ class FunctionEstimator final : public Estimator {
   double sure_confidence() const override { return own_.sure_confidence; }
 
   PatchPose estimate(const HandPatch& patch) const override {
-    const py::gil_scoped_acquire locked;
-    const py::array_t<float> pixels({patch.pixels.height(), patch.pixels.width()}, patch.pixels.data());
-    const py::object answer = own_.function(pixels);
+    const WithLock locked;
+    return in_python([&] { return pose_in(answer_to(patch)); });
+  }
+
+ private:
+  PatchPose pose_in(const py::object& answer) const {
     PatchPose pose;
     if (!py::isinstance<py::tuple>(answer)) {
       pose.joints = joints_in(answer);
@@ -78,7 +82,14 @@ class FunctionEstimator final : public Estimator {
     return pose;
   }
 
- private:
+  py::object answer_to(const HandPatch& patch) const {
+    const py::array_t<float> pixels({patch.pixels.height(), patch.pixels.width()}, patch.pixels.data());
+    const auto answer = py::reinterpret_steal<py::object>(
+        in_python([&] { return PyObject_CallOneArg(own_.function.ptr(), pixels.ptr()); }));
+    if (!answer) throw py::error_already_set();
+    return answer;
+  }
+
   std::vector<PatchPoint> joints_in(const py::object& landmarks) const {
     const auto numbers = doubles(landmarks, {own_.convention.size(), 3}, "the estimator's landmarks");
     const auto values = numbers.unchecked<2>();

@@ -31,7 +31,10 @@ void end(const std::future<T>& result) {
 /// then ends the work, and that of other threads with it.
 template <class Work>
 auto interruptible(const Work& work) {
-  auto result = std::async(std::launch::async, work);
+  auto result = std::async(std::launch::async, [&work] {
+    const Working working;
+    return work();
+  });
   while (!is_done_soon(result)) {
     if (PyErr_CheckSignals() == 0) continue;
     const pybind11::error_already_set raised;

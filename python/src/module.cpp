@@ -6,6 +6,7 @@ PYBIND11_MODULE(_knuckle, module) {
   using namespace knuckle::python;
   module.doc() = "Hand pose from depth images: what of the package `knuckle` is written in C++.";
   module.attr("__version__") = KNUCKLE_VERSION;
+  watch_for_the_interpreters_end();
   add_errors(module);
   add_conventions(module);
   add_camera(module);
