@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 
+#include "interpreter_lock.h"
+
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,6 +20,22 @@ std::vector<py::ssize_t> shape_of(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim()};
 }
 
+/// The array that numpy makes of values, of any type where none is given; null where it raised.
+PyObject* array_from(const py::object& values, py::object type, int flags) {
+  return in_python([&] {
+    return py::detail::npy_api::get().PyArray_FromAny_(values.ptr(), type.release().ptr(), 0, 0, flags,
+                                                       nullptr);
+  });
+}
+
+/// Throws what was raised: within a TypeError, as its cause, or alone where it is none of Python's Exceptions.
+[[noreturn]] void throw_raised(const std::string& message) {
+  py::error_already_set raised;
+  if (!raised.matches(PyExc_Exception)) throw raised;
+  py::raise_from(raised, PyExc_TypeError, message.c_str());
+  throw py::error_already_set();
+}
+
 /// Rotations that users write down are rounded.
 constexpr double kRigidTolerance = 1e-6;
 
@@ -29,12 +48,23 @@ bool is_rigid(const Eigen::Matrix4d& matrix) {
 
 }  // namespace
 
+py::array_t<double> real_numbers(const py::object& values, std::string_view what, std::string_view expected) {
+  const std::string message = fmt::format("{}: expected {}", what, expected);
+  const auto array = py::reinterpret_steal<py::array>(array_from(values, py::object(), 0));
+  if (!array) throw_raised(message);
+  if (array.dtype().kind() == 'c') throw py::type_error(message + ", found complex ones");
+  const int as_values =
+      py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_;
+  const auto numbers = py::reinterpret_steal<py::array_t<double>>(
+      array_from(array, py::dtype::of<double>(), as_values));
+  if (!numbers) throw_raised(message);
+  return numbers;
+}
+
 py::array_t<double> doubles(const py::object& values, const std::vector<py::ssize_t>& shape,
                             std::string_view what) {
-  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(values);
-  if (!array)
-    throw py::type_error(
-        fmt::format("{}: expected numbers, an array of the shape ({})", what, fmt::join(shape, ", ")));
+  const auto array = real_numbers(
+      values, what, fmt::format("numbers, an array of the shape ({})", fmt::join(shape, ", ")));
   if (shape_of(array) != shape) {
     fail("{}: has the shape ({}), expected ({})", what, fmt::join(shape_of(array), ", "),
          fmt::join(shape, ", "));

@@ -14,8 +14,13 @@
 
 namespace knuckle::python {
 
-/// An array of doubles of this shape, from anything that numpy can make one of. Throws a TypeError where it
-/// cannot, an Error where the shape differs; both call it `what`.
+/// An array of doubles, from anything that numpy can make one of. Throws a TypeError where it cannot, with
+/// numpy's own exception as its cause, or where numbers are complex; it calls them `what` and says that
+/// `expected` was expected.
+pybind11::array_t<double> real_numbers(const pybind11::object& values, std::string_view what,
+                                       std::string_view expected);
+
+/// The same of this shape. Throws an Error, too, where the shape differs.
 pybind11::array_t<double> doubles(const pybind11::object& values, const std::vector<pybind11::ssize_t>& shape,
                                   std::string_view what);
 

@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -29,7 +30,8 @@ estimate: called with a patch, (size_px, size_px) of float32, a copy. It returns
     an array (J, 3) of: u and v from -1 (centre of the patch's first column, row) to 1 (of the last), and the depth d
     in the unit of the patch's values; or a pair of landmarks and confidence, (J,) from 0 to 1. Hands are right ones:
     left ones are shown in a mirror. It is called from the thread that estimates, with the interpreter's lock held.
-    What it raises ends the estimate and is raised there.
+    What it raises ends the estimate and is raised there. A landmark that is not finite, further than 1000 from the
+    middle of the patch or behind the camera is a knuckle.Error.
 convention: name of the J landmarks, or the file (.toml) of one of your own.
 patch: "cube": what lies in a cube around the hand, -1 at its near end, 1 at its far end and where nothing is
     measured. "hand": the segmented hand alone, in standard deviations from its mean depth, 3 where there is no hand.
@@ -42,6 +44,10 @@ sure_confidence: mean confidence, 0 to 1, from which on it may be a hand; 0: the
 Pipeline.default, .load and .from_toml take it as `estimator`, in place of the tables [estimator] and
 [patch]. Raises knuckle.Error
 where a value is out of range.)";
+
+/// Of a landmark from the middle of its patch, in patch coordinates. A network that has learned nothing yet
+/// may be far off; beyond this the function means something else, as pixels or millimetres.
+constexpr double kFurthest = 1000.0;
 
 /// Asks the function. It belongs to Python, and may be called and left with the interpreter's lock alone.
 class FunctionEstimator final : public Estimator {
@@ -62,14 +68,14 @@ class FunctionEstimator final : public Estimator {
 
   PatchPose estimate(const HandPatch& patch) const override {
     const WithLock locked;
-    return in_python([&] { return pose_in(answer_to(patch)); });
+    return in_python([&] { return pose_in(answer_to(patch), patch); });
   }
 
  private:
-  PatchPose pose_in(const py::object& answer) const {
+  PatchPose pose_in(const py::object& answer, const HandPatch& patch) const {
     PatchPose pose;
     if (!py::isinstance<py::tuple>(answer)) {
-      pose.joints = joints_in(answer);
+      pose.joints = joints_in(answer, patch);
       return pose;
     }
     const auto pair = py::reinterpret_borrow<py::tuple>(answer);
@@ -77,7 +83,7 @@ class FunctionEstimator final : public Estimator {
       fail("the estimator gave a tuple of {}, expected landmarks, or a pair of landmarks and confidence",
            pair.size());
     }
-    pose.joints = joints_in(pair[0]);
+    pose.joints = joints_in(pair[0], patch);
     pose.confidence = confidence_in(pair[1]);
     return pose;
   }
@@ -90,16 +96,29 @@ class FunctionEstimator final : public Estimator {
     return answer;
   }
 
-  std::vector<PatchPoint> joints_in(const py::object& landmarks) const {
+  std::vector<PatchPoint> joints_in(const py::object& landmarks, const HandPatch& patch) const {
+    const Projection projection(patch.camera);
     const auto numbers = doubles(landmarks, {own_.convention.size(), 3}, "the estimator's landmarks");
     const auto values = numbers.unchecked<2>();
     std::vector<PatchPoint> joints;
     for (py::ssize_t i = 0; i < values.shape(0); ++i) {
       const PatchPoint& joint = joints.emplace_back(PatchPoint{values(i, 0), values(i, 1), values(i, 2)});
-      if (!std::isfinite(joint.u) || !std::isfinite(joint.v) || !std::isfinite(joint.d))
-        fail("the estimator's landmarks: {} is not finite", name_of(own_.convention.landmarks[i]));
+      check_joint(joint, projection.to_camera(patch.geometry.to_image(joint)), i);
     }
     return joints;
+  }
+
+  /// A landmark in the patch, and the place before the camera that it stands for.
+  void check_joint(const PatchPoint& joint, const Point3& place, py::ssize_t i) const {
+    const std::string_view name = name_of(own_.convention.landmarks[i]);
+    const double furthest = std::max({std::abs(joint.u), std::abs(joint.v), std::abs(joint.d)});
+    if (!std::isfinite(joint.u + joint.v + joint.d)) fail("the estimator's landmarks: {} is not finite", name);
+    if (furthest > kFurthest) {
+      fail("the estimator's landmarks: {} has the value {:g}, expected -1 to 1 within the patch, and at most {:g}",
+           name, furthest, kFurthest);
+    }
+    if (!place.allFinite() || !(place.z() > 0.0))
+      fail("the estimator's landmarks: {} lies behind the camera", name);
   }
 
   std::vector<float> confidence_in(const py::object& given) const {
@@ -164,9 +183,8 @@ using Points = py::array_t<double>;
 
 /// (N, 3), as many as there are.
 Points points_from(const py::object& values, std::string_view what) {
-  const auto array = Points::ensure(values);
-  const py::ssize_t count = array && array.ndim() == 2 ? array.shape(0) : 0;
-  return doubles(values, {count, 3}, what);
+  const Points array = real_numbers(values, what, "points, an array of the shape (N, 3)");
+  return doubles(array, {array.ndim() == 2 ? array.shape(0) : 0, 3}, what);
 }
 
 Points patch_coordinates(const HandPatch& patch, const py::object& landmarks_mm) {

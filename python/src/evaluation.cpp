@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/metrics/evaluation.h"
 
+#include "arrays.h"
 #include "bindings.h"
 #include "interruptible.h"
 
@@ -78,8 +79,8 @@ class GivenPredictions {
     for (const auto& [key, value] : given) {
       const std::string name = py::str(key);
       if (py::isinstance<py::array>(value)) {
-        const auto array = py::array_t<double>::ensure(value);
-        if (!array) throw py::type_error("predictions '" + name + "': expected an array of numbers");
+        const auto array = real_numbers(py::reinterpret_borrow<py::object>(value), "predictions '" + name + "'",
+                                        "an array of numbers");
         given_.push_back(
             {name, {}, numbers_from(array, name, convention.value_or(superset_convention()), coordinates)});
       } else {

@@ -6,12 +6,13 @@ import pathlib
 import tempfile
 import threading
 import unittest
+import warnings
 import weakref
 
 import numpy as np
 
 import knuckle
-from testing import demo_frames
+from testing import DEMO, demo_frames
 
 NEAREST = '[segmentation]\nmethod = "threshold"\n'
 FIVE_TIPS = [knuckle.conventions["knuckle22"].index(f"{finger}_tip") for finger in ("thumb", "index", "middle", "ring", "little")]
@@ -163,6 +164,46 @@ class Estimators(unittest.TestCase):
                 ((middle(None), np.nan * good), knuckle.Error, "expected 0 to 1")):
             with self.assertRaisesRegex(kind, words):
                 self.estimate(pipeline_of(lambda patch, answer=answer: answer))
+
+    def test_landmarks_that_lie_nowhere(self):
+        z = middle(None)
+        behind = z.copy()
+        behind[5, 2] = -10.0  # 1250 mm towards the camera, which is nearer
+        for answer, words in ((z + 1e300, "wrist has the value 1e.300"), (z - 1e19, "wrist has the value 1e.19"), (z + 1001.0, "at most 1000"),
+                              (z + np.array([0, -2000.0, 0]), "the value 2000"), (behind, "lies behind the camera"), (z + np.inf, "not finite")):
+            for passes in (1, 3):
+                with self.assertRaisesRegex(knuckle.Error, words):
+                    self.estimate(pipeline_of(lambda patch, answer=answer: answer, passes=passes))
+        beside = z.copy()
+        beside[5, 0] = 30.0  # a hand that is not what it seems, or a network that has learned nothing
+        self.assertEqual(len(self.estimate(pipeline_of(lambda patch: beside)).hands), 1)
+
+    def test_exceptions_of_arrays_are_the_cause(self):
+        class Tensor:
+            def __init__(self, error):
+                self.error = error
+
+            def __array__(self, *_):
+                raise self.error
+
+        for error in (RuntimeError("use tensor.detach()"), ValueError("mine")):
+            for answer in (Tensor(error), (Tensor(error), np.ones(22)), (middle(None), Tensor(error))):
+                with self.assertRaisesRegex(TypeError, "the estimator's .*: expected numbers") as caught:
+                    self.estimate(pipeline_of(lambda patch, answer=answer: answer))
+                self.assertIs(caught.exception.__cause__, error)
+        with self.assertRaises(KeyboardInterrupt):
+            self.estimate(pipeline_of(lambda patch: Tensor(KeyboardInterrupt())))
+
+    def test_complex_numbers_are_refused(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            for answer in (middle(None) + 0j, (middle(None), np.ones(22) + 1j)):
+                with self.assertRaisesRegex(TypeError, "found complex ones"):
+                    self.estimate(pipeline_of(lambda patch, answer=answer: answer))
+            with self.assertRaisesRegex(TypeError, "start: .*found complex ones"):
+                pipeline_of(middle).estimate(self.frame.depth_mm, self.frame.camera, np.array([0, 0, 500j]))
+            with self.assertRaisesRegex(TypeError, "predictions 'mine': .*found complex ones"):
+                knuckle.evaluate(f"synthetic:{DEMO}", {"mine": np.ones((40, 22, 3), complex)})
 
     def test_options_out_of_range(self):
         for options, words in (({"size_px": 1}, "size_px"), ({"cube_mm": float("nan")}, "cube_mm"), ({"passes": 0}, "passes"),
