@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "garbage_collected.h"
 
 #include <algorithm>
 #include <array>
@@ -65,6 +66,7 @@ class FunctionEstimator final : public Estimator {
   const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return own_.passes; }
   double sure_confidence() const override { return own_.sure_confidence; }
+  py::object& function() { return own_.function; }
 
   PatchPose estimate(const HandPatch& patch) const override {
     const WithLock locked;
@@ -89,6 +91,7 @@ class FunctionEstimator final : public Estimator {
   }
 
   py::object answer_to(const HandPatch& patch) const {
+    if (!own_.function) fail("the estimator's function is gone: the interpreter has collected it as garbage");
     const py::array_t<float> pixels({patch.pixels.height(), patch.pixels.width()}, patch.pixels.data());
     const auto answer = py::reinterpret_steal<py::object>(
         in_python([&] { return PyObject_CallOneArg(own_.function.ptr(), pixels.ptr()); }));
@@ -212,6 +215,10 @@ Points camera_coordinates(const HandPatch& patch, const py::object& landmarks) {
   return array_of(points);
 }
 
+py::object* function_in(OwnEstimator& own) {
+  return &own.function;
+}
+
 void add_patch(py::module_& module) {
   py::class_<HandPatch>(module, "Patch", "A hand cut out of a frame: what an Estimator's function is shown.")
       .def_property_readonly(
@@ -228,13 +235,16 @@ void add_patch(py::module_& module) {
 
 }  // namespace
 
-std::unique_ptr<Estimator> estimator_of(const std::optional<OwnEstimator>& own) {
-  return own ? std::make_unique<FunctionEstimator>(*own) : nullptr;
+AskedEstimator estimator_of(const std::optional<OwnEstimator>& own) {
+  if (!own) return {};
+  auto estimator = std::make_unique<FunctionEstimator>(*own);
+  py::object& function = estimator->function();
+  return {std::move(estimator), &function};
 }
 
 void add_estimator(py::module_& module) {
   add_patch(module);
-  py::class_<OwnEstimator>(module, "Estimator", kDoc)
+  py::class_<OwnEstimator>(module, "Estimator", garbage_collected<OwnEstimator, function_in>(), kDoc)
       .def(py::init(&own_estimator), py::arg("estimate"), py::arg("convention"), py::kw_only(),
            py::arg("patch") = "cube", py::arg("size_px") = 128, py::arg("cube_mm") = 250.0,
            py::arg("passes") = 1, py::arg("sure_confidence") = 0.0)

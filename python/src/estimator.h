@@ -22,7 +22,13 @@ struct OwnEstimator {
   double sure_confidence;
 };
 
-/// What a pipeline asks; null where `own` is nothing. Needs the interpreter's lock here alone.
-std::unique_ptr<Estimator> estimator_of(const std::optional<OwnEstimator>& own);
+/// What a pipeline asks.
+struct AskedEstimator {
+  std::unique_ptr<Estimator> estimator;  ///< null where there is none of the user's
+  pybind11::object* function = nullptr;  ///< where it holds the user's function; null as well
+};
+
+/// Needs the interpreter's lock here alone.
+AskedEstimator estimator_of(const std::optional<OwnEstimator>& own);
 
 }  // namespace knuckle::python

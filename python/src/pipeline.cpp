@@ -5,6 +5,8 @@
 #include "bindings.h"
 #include "depth_array.h"
 #include "estimator.h"
+#include "garbage_collected.h"
+#include "held_pipeline.h"
 #include "landmark_names.h"
 
 #include <filesystem>
@@ -60,24 +62,24 @@ Pipeline with_landmarks(Pipeline pipeline, const std::optional<Path>& definition
   return pipeline;
 }
 
-Pipeline load(const Path& path, const std::optional<Path>& landmarks,
+HeldPipeline load(const Path& path, const std::optional<Path>& landmarks,
               const std::optional<OwnEstimator>& own) {
-  std::unique_ptr<Estimator> estimator = estimator_of(own);
+  auto [estimator, function] = estimator_of(own);
   const WithoutLock unlocked;
-  return with_landmarks(Pipeline::load(path, std::move(estimator)), landmarks);
+  return {with_landmarks(Pipeline::load(path, std::move(estimator)), landmarks), function};
 }
 
-Pipeline load_default(const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
+HeldPipeline load_default(const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
   return load(resource_path("pipelines/default.toml"), landmarks, own);
 }
 
-Pipeline from_toml(const std::string& text, const std::optional<Path>& folder,
-                   const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
-  std::unique_ptr<Estimator> estimator = estimator_of(own);
+HeldPipeline from_toml(const std::string& text, const std::optional<Path>& folder,
+                       const std::optional<Path>& landmarks, const std::optional<OwnEstimator>& own) {
+  auto [estimator, function] = estimator_of(own);
   const WithoutLock unlocked;
-  return with_landmarks(
-      Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines"), std::move(estimator)),
-      landmarks);
+  Pipeline pipeline =
+      Pipeline::from_toml(text, folder ? *folder : resource_path("pipelines"), std::move(estimator));
+  return {with_landmarks(std::move(pipeline), landmarks), function};
 }
 
 std::optional<Point3> start_from(const py::object& start) {
@@ -86,17 +88,22 @@ std::optional<Point3> start_from(const py::object& start) {
   return Point3(values.at(0), values.at(1), values.at(2));
 }
 
-Estimate estimate(const Pipeline& pipeline, const py::object& depth, const Camera& camera,
+Estimate estimate(const HeldPipeline& held, const py::object& depth, const Camera& camera,
                   const py::object& start, double depth_unit_mm) {
   Frame frame;
   frame.depth_mm = depth_image(depth, camera, depth_unit_mm);
   frame.camera = camera;
+  const Pipeline& pipeline = held.pipeline;
   const Search search{.start = start_from(start), .max_hands = pipeline.hand().max_hands};
   const WithoutLock unlocked;
   FrameResult result;
   result.camera = camera;
   result.estimate = pipeline.estimate(frame, search);
   return {record_of(result, PixelOrigin::centre)};
+}
+
+py::object* function_in(HeldPipeline& held) {
+  return held.function;
 }
 
 std::string line_of(const Estimate& estimate, std::int64_t frame, std::string name,
@@ -132,7 +139,7 @@ void add_estimate(py::module_& module) {
 
 void add_pipeline(py::module_& module) {
   add_estimate(module);
-  py::class_<Pipeline>(module, "Pipeline", kDoc)
+  py::class_<HeldPipeline>(module, "Pipeline", garbage_collected<HeldPipeline, function_in>(), kDoc)
       .def_static("default", &load_default, py::arg("landmarks") = py::none(),
                   py::arg("estimator") = py::none(),
                   "The pipeline for single frames that comes with Knuckle.")
@@ -143,17 +150,19 @@ void add_pipeline(py::module_& module) {
       .def("estimate", &estimate, py::arg("depth"), py::arg("camera"), py::arg("start") = py::none(),
            py::kw_only(), py::arg("depth_unit_mm") = 1.0, kEstimateDoc)
       .def_property_readonly(
-          "convention", [](const Pipeline& pipeline) { return std::string(pipeline.convention().name); },
+          "convention",
+          [](const HeldPipeline& held) { return std::string(held.pipeline.convention().name); },
           "Name of the convention of all poses.")
       .def_property_readonly(
-          "landmark_names", [](const Pipeline& pipeline) { return landmark_names(pipeline.convention()); },
+          "landmark_names",
+          [](const HeldPipeline& held) { return landmark_names(held.pipeline.convention()); },
           "J names, in the order of the arrays of its hands.")
       .def_property_readonly(
-          "toml", [](const Pipeline& pipeline) { return pipeline.resolved_options(); },
+          "toml", [](const HeldPipeline& held) { return held.pipeline.resolved_options(); },
           "The pipeline file with all defaults filled in.")
       .def("__reduce__", &refuse_to_pickle)
-      .def("__repr__", [](const Pipeline& pipeline) {
-        return fmt::format("<knuckle.Pipeline, {}>", pipeline.convention().name);
+      .def("__repr__", [](const HeldPipeline& held) {
+        return fmt::format("<knuckle.Pipeline, {}>", held.pipeline.convention().name);
       });
   module.def(
       "data_file", [](const std::string& name) { return resource_path(name); }, py::arg("name"),

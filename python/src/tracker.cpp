@@ -3,11 +3,16 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "garbage_collected.h"
 #include "hand.h"
+#include "held_pipeline.h"
 
+#include <memory>
 #include <vector>
 
 #include <pybind11/stl.h>
+
+#include "knuckle/core/error.h"
 
 namespace knuckle::python {
 namespace py = pybind11;
@@ -23,12 +28,30 @@ pipeline: a Pipeline; Pipeline.load(knuckle.data_file("pipelines/track.toml")) i
 One thread at a time may call it. Where time goes back, stands still or leaps by more than a second, or
 Frame.sequence changes, all hands are forgotten.)";
 
-/// A tracker that keeps its pipeline's Python object.
-std::unique_ptr<Tracker> tracker_of(const Pipeline& pipeline) {
-  return std::make_unique<Tracker>(pipeline, pipeline.tracker().value_or(TrackerOptions{}));
+/// What Python's Tracker is: it keeps its pipeline's Python object.
+struct HeldTracker {
+  py::object pipeline;  ///< none: it was collected as garbage
+  std::unique_ptr<Tracker> tracker;
+};
+
+py::object* pipeline_in(HeldTracker& held) {
+  return &held.pipeline;
 }
 
-std::vector<HandRecord> update(Tracker& tracker, const Frame& frame) {
+HeldTracker tracker_of(const HeldPipeline& held) {
+  const TrackerOptions options = held.pipeline.tracker().value_or(TrackerOptions{});
+  // The object that it is the value of, not a new one.
+  return {py::cast(held, py::return_value_policy::reference),
+          std::make_unique<Tracker>(held.pipeline, options)};
+}
+
+Tracker& tracker_in(HeldTracker& held) {
+  if (!held.pipeline) fail("tracker: its pipeline is gone: the interpreter has collected it as garbage");
+  return *held.tracker;
+}
+
+std::vector<HandRecord> update(HeldTracker& held, const Frame& frame) {
+  Tracker& tracker = tracker_in(held);
   const WithoutLock unlocked;
   std::vector<HandRecord> hands;
   for (const TrackedHand& hand : tracker.update(frame)) hands.push_back(record_of(hand, frame.camera));
@@ -38,14 +61,14 @@ std::vector<HandRecord> update(Tracker& tracker, const Frame& frame) {
 }  // namespace
 
 void add_tracker(py::module_& module) {
-  py::class_<Tracker>(module, "Tracker", kDoc)
-      .def(py::init(&tracker_of), py::arg("pipeline"), py::keep_alive<1, 2>())
+  py::class_<HeldTracker>(module, "Tracker", garbage_collected<HeldTracker, pipeline_in>(), kDoc)
+      .def(py::init(&tracker_of), py::arg("pipeline"))
       .def("update", &update, py::arg("frame"),
            "List of the Hands in the next Frame, in the order of their ids. Raises knuckle.Error where its "
            "time is not "
            "finite, or two threads call at once.")
       .def("__reduce__", &refuse_to_pickle)
-      .def("reset", &Tracker::reset, "Begins anew, with id 1.");
+      .def("reset", [](HeldTracker& held) { tracker_in(held).reset(); }, "Begins anew, with id 1.");
 }
 
 }  // namespace knuckle::python

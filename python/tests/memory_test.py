@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nothing that is called often keeps memory."""
 
+import gc
 import os
 import pathlib
 import unittest
+import weakref
 
 import numpy as np
 
@@ -73,6 +75,49 @@ class Memory(unittest.TestCase):
         self.assert_flat(lambda: knuckle.Frame(depth, camera).depth_mm.sum())
         frames = demo_frames()
         self.assert_flat(lambda: frames[0].mask.sum(), 100)
+
+    def test_what_holds_itself_is_collected(self):
+        """A method as the estimator, of an object that holds pipeline, estimator or tracker."""
+        class Mine:
+            def __init__(self, wrap):
+                own = knuckle.Estimator(self.look, "knuckle22")
+                self.held = wrap(own)
+
+            def look(self, patch):
+                return 0.1 * np.ones((22, 3)) * float(patch.min())
+
+        class Kept(knuckle.Estimator):  # a class of one's own, with attributes
+            pass
+
+        def kept(own):
+            mine = Kept(lambda patch: mine.other, "knuckle22")
+            mine.other = own
+            return mine
+
+        def tracker(own):
+            return knuckle.Tracker(pipeline(own))
+
+        def pipeline(own):
+            return knuckle.Pipeline.from_toml('[segmentation]\nmethod = "threshold"\n', estimator=own)
+
+        frame = demo_frames()[3]
+        for wrap in (lambda own: own, pipeline, tracker, kept, lambda own: [tracker(own), pipeline(own), own]):
+            mine = Mine(wrap)
+            gone = weakref.ref(mine)
+            gc.collect()
+            if wrap is pipeline:  # and works until then
+                self.assertEqual(len(mine.held.estimate(frame.depth_mm, frame.camera).hands), 1)
+            if wrap is tracker:
+                mine.held.reset()
+                mine.held.update(frame)
+            del mine
+            gc.collect()
+            self.assertIsNone(gone())
+
+    def test_a_tracker_keeps_its_pipeline(self):
+        tracker = knuckle.Tracker(knuckle.Pipeline.from_toml(SMALL_PIPELINE))
+        gc.collect()
+        tracker.update(demo_frames()[3])
 
 
 if __name__ == "__main__":
