@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "interpreter_lock.h"
+
 #include <string>
 
 #include <pybind11/pybind11.h>
-
-#include "interpreter_lock.h"
 
 namespace knuckle::python {
 

@@ -2,6 +2,7 @@
 #include "knuckle/core/camera.h"
 
 #include "bindings.h"
+#include "checked_text.h"
 
 #include <algorithm>
 #include <string>
@@ -20,7 +21,7 @@ constexpr const char* kDoc = R"(Intrinsics of a depth camera; cannot be changed 
 
 fx, fy: focal lengths [px] (orthographic: [px/mm]), not 0; fy is negative where y points up.
 cx, cy: principal point [px]; the centre of the first pixel is (0, 0).
-width, height: of the image [px], 1 to 16384, 2**25 pixels in all.
+width, height: of the image [px], 1 to 16384.
 distortion: up to 8 coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6.
 model: "projective" or "orthographic".
 
@@ -47,7 +48,14 @@ std::array<double, 8> coefficients_from(const std::vector<double>& given) {
 
 Camera camera_from(double fx, double fy, double cx, double cy, int width, int height,
                    const std::vector<double>& distortion, const std::string& model) {
-  const Camera camera{model_from_name(model), width, height, fx, fy, cx, cy, coefficients_from(distortion)};
+  const Camera camera{model_from_name(checked_text(model, "model")),
+                      width,
+                      height,
+                      fx,
+                      fy,
+                      cx,
+                      cy,
+                      coefficients_from(distortion)};
   check(camera);
   return camera;
 }

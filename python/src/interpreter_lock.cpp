@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "interpreter_lock.h"
 
-#include <pthread.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <chrono>
 #include <thread>
+
+#include <pthread.h>
+#include <unistd.h>
 
 #include "knuckle/core/interruption.h"
 

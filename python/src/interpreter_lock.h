@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cxxabi.h>
-
 #include <optional>
 
+#include <cxxabi.h>
 #include <pybind11/pybind11.h>
 
 namespace knuckle::python {
