@@ -18,8 +18,8 @@ class Error : public std::runtime_error {
 
  private:
   static std::string without_zeros(std::string message) {
-    for (std::size_t at = message.find('\0'); at != std::string::npos; at = message.find('\0', at)) {
-      message.replace(at, 1, "\\x00");
+    for (std::size_t at = 0; at < message.size(); ++at) {
+      if (message[at] == 0) message.replace(at, 1, "\\x00");
     }
     return message;
   }
