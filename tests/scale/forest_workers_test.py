@@ -6,14 +6,14 @@ which one of them is missing, lost or different ends all with one line.
     forest_workers_test.py CASE PROGRAM
 """
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
 
+from slurm_testing import local_slurm
 from training_testing import LONGEST_S, PROJECT, ended, failed_with, run_case, succeeded
-from workers_testing import SKIPPED, WorkersPlace, free_port, met
+from workers_testing import WorkersPlace, free_port, met
 
 KINDS = ("pose-forest", "segmentation-forest")
 CONFIG = {
@@ -145,23 +145,10 @@ def full_disk(place):
 
 
 def slurm(place):
-    missing = [name for name in ("slurmctld", "slurmd", "srun") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
-    if missing or os.geteuid() != 0:
-        print(f"skipped: {missing[0]} is missing" if missing else "skipped: Slurm's daemons are started by root alone")
-        sys.exit(SKIPPED)
-    cluster = place.folder / "slurm"
-
-    def say(what):
-        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, cluster], check=True, stdout=subprocess.DEVNULL,
-                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"}, timeout=LONGEST_S)
-
-    say("start")
-    try:
+    with local_slurm(place.folder / "slurm") as found:
         for kind in KINDS:
             step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *place.forest(kind, f"{kind}.two", 2)]
-            succeeded(place.start(step, SLURM_CONF=str(cluster / "slurm.conf"), MASTER_ADDR="127.0.0.1"))
-    finally:
-        say("stop")
+            succeeded(place.start(step, **found, MASTER_ADDR="127.0.0.1"))
     for kind in KINDS:
         succeeded(place.start(place.forest(kind, f"{kind}.one", 1)))
         assert place.bytes_of(f"{kind}.one") == place.bytes_of(f"{kind}.two"), kind

@@ -5,6 +5,7 @@ joined file has the bytes of one process. Skipped by name where Slurm or GNU par
 
     parts_test.py slurm|parallel PROGRAM
 """
+import contextlib
 import os
 import pathlib
 import re
@@ -14,7 +15,8 @@ import sys
 import tempfile
 import time
 
-SKIPPED = 77
+from slurm_testing import SKIPPED, local_slurm
+
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = PROJECT / "manifests/demo.toml"
 PARTS = 8
@@ -64,16 +66,9 @@ class Parallel:
 
 class Slurm:
     def __init__(self, folder):
-        missing = [name for name in ("slurmctld", "slurmd", "sbatch") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
-        if missing or os.geteuid() != 0:
-            skip(f"{missing[0]} is missing" if missing else "Slurm's daemons are started by root alone")
-        self.folder = folder / "slurm"
-        self.cluster("start")
-        self.environment = {"SLURM_CONF": str(self.folder / "slurm.conf")}
-
-    def cluster(self, what):
-        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, self.folder], check=True, stdout=subprocess.DEVNULL,
-                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"})
+        self.folder = folder
+        self.open = contextlib.ExitStack()
+        self.environment = self.open.enter_context(local_slurm(folder / "slurm"))
 
     def render(self, parts, environment):
         environment = {**environment, **self.environment}
@@ -88,7 +83,7 @@ class Slurm:
         return all((parts / f"part-{number:05}.h5").exists() for number in range(PARTS))
 
     def stop(self):
-        self.cluster("stop")
+        self.open.close()
 
 
 def run(cluster, program, folder):
