@@ -35,6 +35,8 @@ development_packages=(
   chromium
   # checks exported networks
   python3-onnx
+  # a scheduler and a starter of jobs for their tests (6 MB to fetch)
+  slurmctld slurmd slurm-client parallel
   # what the notebooks use (examples/notebooks)
   python3-matplotlib python3-torch
 )

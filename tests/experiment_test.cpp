@@ -138,6 +138,17 @@ TEST_F(ExperimentTest, AFailedTrainingPassesItsErrorOn) {
       << "the device is asked for first";
 }
 
+TEST_F(ExperimentTest, DoesOneStep) {
+  EXPECT_THAT(run({"--step", "scene/poses/forest.txt"}), FailedWith("pipelines/forest.toml"))
+      << "what it needs is not there";
+  EXPECT_THAT(run({"--step", "forest"}), FailedWith("no step 'forest' in the experiment plan"));
+  ASSERT_THAT(run({"--step", "models/forest.model"}), Succeeded());
+  EXPECT_FALSE(std::filesystem::exists(out_ / "report.html"));
+  const ProgramRun whole = run();
+  ASSERT_THAT(whole, Succeeded());
+  EXPECT_THAT(whole.out, Not(HasSubstr("training"))) << "the step was done";
+}
+
 TEST_F(ExperimentTest, NamesWhatIsWrong) {
   EXPECT_THAT(run_program({"experiment", "nonsense", "--out", out_}), FailedWith("scia15"));
   EXPECT_THAT(run({"--scale", "0"}), FailedWith("scale"));

@@ -13,5 +13,7 @@ set -euo pipefail
 config=$1 model=$2
 shift 2
 [ ! -e "$model.checkpoint" ] || set -- --resume "$@"
-exec srun --kill-on-bad-exit=1 "${KNUCKLE:-knuckle}" train network --config "$config" --out "$model" --workers "$SLURM_NTASKS" \
-  --threads "${SLURM_CPUS_PER_TASK:-1}" "$@"
+cores=${SLURM_CPUS_PER_TASK:-1}
+# srun is told of the cores again: since Slurm 22.05 it does not take them over from sbatch.
+exec srun --kill-on-bad-exit=1 --cpus-per-task="$cores" "${KNUCKLE:-knuckle}" train network --config "$config" --out "$model" \
+  --workers "$SLURM_NTASKS" --threads "$cores" "$@"

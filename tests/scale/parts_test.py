@@ -6,6 +6,7 @@ Skipped by name where Slurm or GNU parallel is missing.
 
     parts_test.py slurm|parallel PROGRAM
 """
+import contextlib
 import os
 import pathlib
 import re
@@ -17,7 +18,8 @@ import time
 
 import h5py
 
-SKIPPED = 77
+from slurm_testing import SKIPPED, local_slurm
+
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = PROJECT / "manifests/demo.toml"
 PARTS = 8
@@ -69,16 +71,9 @@ class Parallel:
 
 class Slurm:
     def __init__(self, folder):
-        missing = [name for name in ("slurmctld", "slurmd", "sbatch") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
-        if missing or os.geteuid() != 0:
-            skip(f"{missing[0]} is missing" if missing else "Slurm's daemons are started by root alone")
-        self.folder = folder / "slurm"
-        self.cluster("start")
-        self.environment = {"SLURM_CONF": str(self.folder / "slurm.conf")}
-
-    def cluster(self, what):
-        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, self.folder], check=True, stdout=subprocess.DEVNULL,
-                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"})
+        self.folder = folder
+        self.open = contextlib.ExitStack()
+        self.environment = self.open.enter_context(local_slurm(folder / "slurm"))
 
     def render(self, parts, environment, numbers=None):
         array = f"0-{PARTS - 1}" if numbers is None else ",".join(str(number) for number in numbers)
@@ -94,7 +89,7 @@ class Slurm:
         return all((parts / f"part-{number:05}.h5").exists() for number in range(PARTS))
 
     def stop(self):
-        self.cluster("stop")
+        self.open.close()
 
 
 def damage(part):

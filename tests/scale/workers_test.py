@@ -6,15 +6,15 @@ way in which one of them is missing, lost or different ends all with one line.
     workers_test.py CASE PROGRAM
 """
 import os
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import time
 
+from slurm_testing import local_slurm
 from training_testing import LONGEST_S, PROJECT, SMALL_NETWORK, ended, failed_with, run_case, succeeded
-from workers_testing import SKIPPED, WorkersPlace, free_port, met
+from workers_testing import WorkersPlace, free_port, met
 
 CONFIG = """
 source = 'synthetic:{manifest}?count=12'
@@ -142,32 +142,18 @@ def full_disk(place):
 
 
 def slurm(place):
-    missing = [name for name in ("slurmctld", "slurmd", "srun") if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None]
-    if missing or os.geteuid() != 0:
-        print(f"skipped: {missing[0]} is missing" if missing else "skipped: Slurm's daemons are started by root alone")
-        sys.exit(SKIPPED)
-    cluster = place.folder / "slurm"
-
-    def say(what):
-        subprocess.run([PROJECT / "scripts/slurm/local_cluster.sh", what, cluster], check=True, stdout=subprocess.DEVNULL,
-                       env={**os.environ, "PATH": os.environ["PATH"] + ":/usr/sbin"})
-
-    say("start")
-    try:
+    with local_slurm(place.folder / "slurm") as found:
         arguments = place.command("two.pt", 2)
         config, cache = arguments[arguments.index("--config") + 1], arguments[arguments.index("--cache") + 1]
         # By hand, then by the script, for an allocation of both tasks.
         step = ["srun", "--ntasks=2", "--cpus-per-task=1", "--overcommit", *arguments]
-        slurm_conf = str(cluster / "slurm.conf")
-        succeeded(place.start(step, SLURM_CONF=slurm_conf, MASTER_ADDR="127.0.0.1"))
+        succeeded(place.start(step, **found, MASTER_ADDR="127.0.0.1"))
         log = place.folder / "job.log"
         job = ["sbatch", "--wait", "--ntasks=2", "--overcommit", f"--output={log}", f"--chdir={PROJECT}",
                PROJECT / "scripts/slurm/train_network.sh", config, place.folder / "job.pt", "--cache", cache]
-        process = place.start(job, SLURM_CONF=slurm_conf, KNUCKLE=str(place.program), SLURM_OVERCOMMIT="1")
+        process = place.start(job, **found, KNUCKLE=str(place.program), SLURM_OVERCOMMIT="1")
         assert ended(process)[0] == 0, log.read_text()
         assert "2 workers" in log.read_text(), log.read_text()
-    finally:
-        say("stop")
     succeeded(place.start(place.command("one.pt", 1)))
     assert place.bytes_of("one.pt") == place.bytes_of("two.pt") == place.bytes_of("job.pt")
 

@@ -6,8 +6,6 @@ import time
 
 from training_testing import LONGEST_S, Place
 
-SKIPPED = 77
-
 
 class WorkersPlace(Place):
     """A place whose program starts workers."""

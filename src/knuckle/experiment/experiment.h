@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "knuckle/experiment/plan.h"
 #include "knuckle/experiment/train_model.h"
@@ -16,6 +17,8 @@ struct ExperimentOptions {
   double scale = 1.0;  ///< (0, 1]: how much of everything is trained and tested, see scale.h
   TrainingOptions training;
 };
+
+class JobQueue;
 
 /// Runs a plan from data to report:
 ///
@@ -32,5 +35,15 @@ struct ExperimentOptions {
 /// an experiment that was stopped goes on where it was. Returns the path of the report. Throws an Error where
 /// a file of the plan is missing or wrong.
 std::filesystem::path run_experiment(const ExperimentPlan& plan, const ExperimentOptions& options);
+
+/// The same with the steps as jobs of a queue (step_jobs.h), beside one another where none needs the other.
+/// A job does `run_experiment_step`. The results are the same.
+std::filesystem::path run_experiment_as_jobs(const ExperimentPlan& plan, const ExperimentOptions& options,
+                                             JobQueue& queue, int most_jobs);
+
+/// Does one step, named by its output as in "models/dense.pt", unless it is done. Throws an Error where the
+/// experiment has no such step, or what the step needs is not there.
+void run_experiment_step(const ExperimentPlan& plan, const ExperimentOptions& options,
+                         const std::string& name);
 
 }  // namespace knuckle

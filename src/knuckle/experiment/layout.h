@@ -17,6 +17,7 @@ class ExperimentFolder {
   std::filesystem::path figures() const { return folder_ / "figures"; }
   std::filesystem::path tables() const { return folder_ / "tables"; }    ///< the same for every run
   std::filesystem::path timings() const { return folder_ / "timings"; }  ///< different from run to run
+  std::filesystem::path logs() const { return folder_ / "logs"; }        ///< of jobs
   std::filesystem::path samples() const { return folder_ / "samples"; }  ///< hands cut out for networks
   std::filesystem::path details(const PlannedSequence& sequence) const { return folder_ / sequence.name; }
 

@@ -61,6 +61,21 @@ TEST(OwnProgramTest, SaysHowAChildEndedThatSaidNothing) {
   EXPECT_THAT(error_of([] { run_own_program(child("IsNotStarted")); }), HasSubstr("could not be started"));
 }
 
+TEST(OwnProgramTest, IsStartedByAnotherCommand) {
+  run_own_program(child("Succeeds"), {"/usr/bin/env"});
+  EXPECT_THAT(error_of([] { run_own_program(child("Succeeds"), {"no_such_starter"}); }),
+              HasSubstr("could not be started"));
+}
+
+TEST(OwnProgramTest, TakesTheErrorLineAlsoWhereTheStarterSaysMore) {
+  const std::vector<std::string> starter = {
+      "/bin/sh", "-c", "\"$@\"; status=$?; echo 'srun: error: task 0: exited' >&2; exit $status", "sh"};
+  ::testing::internal::CaptureStderr();
+  const std::string error = error_of([&] { run_own_program(child("Fails"), starter); });
+  EXPECT_EQ(error, "set.toml:3: depth: is missing");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "work: 1 of 2\nsrun: error: task 0: exited\n");
+}
+
 TEST(OwnProgramTest, LeavesNoZombie) {
   run_own_program(child("Succeeds"));
   EXPECT_NE(error_of([] { run_own_program(child("FailsSilently")); }), "");

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/step.h"
 
+#include <atomic>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/testing.h"
@@ -86,6 +89,23 @@ TEST_F(StepTest, KnowsWhetherARunWithTheSameInputsWasStopped) {
   EXPECT_TRUE(is_done(inputs));
   std::filesystem::remove(output_);
   EXPECT_EQ(start_of(inputs), StepStart::anew) << "that run came to its end";
+}
+
+TEST_F(StepTest, IsDoneByOneOfThoseThatComeToIt) {
+  std::atomic<int> done = 0;
+  const auto come = [&] {
+    run_step(output_, Inputs(), [&](StepStart) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      ++done;
+      write_text_file(output_, "made");
+    });
+    EXPECT_TRUE(is_step_done(output_, Inputs())) << "who comes later waits for it";
+  };
+  {
+    std::vector<std::jthread> processes;
+    for (int i = 0; i < 3; ++i) processes.emplace_back(come);
+  }
+  EXPECT_EQ(done, 1);
 }
 
 TEST_F(StepTest, NamesAMissingInput) {

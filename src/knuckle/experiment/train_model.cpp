@@ -34,9 +34,11 @@ void train_model(const std::string& kind, const std::filesystem::path& config, c
     arguments.insert(arguments.end(), {"--device", options.device});
     if (!options.cache.empty()) arguments.insert(arguments.end(), {"--cache", options.cache.string()});
   }
+  if (options.workers > 1)
+    arguments.insert(arguments.end(), {"--workers", fmt::format("{}", options.workers)});
   if (start == StepStart::again && has_checkpoint(out)) arguments.emplace_back("--resume");
   if (start == StepStart::anew) std::filesystem::remove(out);
-  run_own_program(arguments);
+  run_own_program(arguments, options.starter);
   if (!std::filesystem::exists(out)) {
     fail("{}: its training came to its end but left no model: no validation gave a finite error",
          out.string());

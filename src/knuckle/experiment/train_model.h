@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "knuckle/experiment/step.h"
 
@@ -12,6 +13,9 @@ namespace knuckle {
 struct TrainingOptions {
   std::string device = "cpu";        ///< of networks: cpu | cuda
   std::filesystem::path cache = {};  ///< of networks: folder for cut-out hands; empty: they are not kept
+  int workers = 1;                   ///< processes that a training runs as, [1, kMostWorkers]
+  std::vector<std::string> starter =
+      {};  ///< command that starts them, as in {"srun", ...}; empty: they start each other
 };
 
 /// Trains as `knuckle train KIND --config CONFIG --out OUT` does, in a process of its own, with `--resume`

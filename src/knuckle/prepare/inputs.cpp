@@ -34,6 +34,18 @@ struct ModelFiles {
 
 }  // namespace
 
+std::vector<PipelineModel> models_named_in(const OptionTable& pipeline) {
+  std::vector<PipelineModel> models;
+  for (const char* table : {"segmentation", "estimator"}) {
+    const std::string model = pipeline.table(table).text_or("model", "");
+    if (!model.empty()) models.push_back({table, model});
+  }
+  ModelFiles several;
+  pipeline.table("estimator").read(several);
+  for (const std::string& model : several.models) models.push_back({"estimator", model});
+  return models;
+}
+
 Inputs& Inputs::add(std::string_view name, std::string_view value) {
   text_ += fmt::format("{}: {}\n", name, value);
   return *this;
@@ -72,14 +84,8 @@ Inputs& Inputs::add_pipeline(const std::filesystem::path& pipeline) {
 
 Inputs& Inputs::add_models(const std::filesystem::path& pipeline) {
   const OptionTable document = OptionTable::load(pipeline);
-  for (const char* table : {"segmentation", "estimator"}) {
-    const std::string model = document.table(table).text_or("model", "");
-    if (!model.empty()) add_content(fmt::format("{} model", table), document.resolved_path(model));
-  }
-  ModelFiles several;
-  document.table("estimator").read(several);
-  for (const std::string& model : several.models)
-    add_content("estimator model", document.resolved_path(model));
+  for (const PipelineModel& model : models_named_in(document))
+    add_content(fmt::format("{} model", model.table), document.resolved_path(model.file));
   return *this;
 }
 

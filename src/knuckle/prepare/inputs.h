@@ -4,10 +4,21 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace knuckle {
 
 struct Manifest;
+class OptionTable;
+
+/// A model that a pipeline file names.
+struct PipelineModel {
+  std::string table;  ///< segmentation | estimator
+  std::string file;   ///< as it stands there
+};
+
+/// The models that a pipeline file names.
+std::vector<PipelineModel> models_named_in(const OptionTable& pipeline);
 
 /// All that an outcome depends on, as lines of text: where they are the same again, it need not be made
 /// again.

@@ -13,6 +13,7 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/prepare/sample_file.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/work_claim.h"
 
 namespace fs = std::filesystem;
 
@@ -99,7 +100,6 @@ bool are_there(const fs::path& folder, const std::vector<SampleBlockNote>& block
 }
 
 std::vector<SampleBlockNote> made(const fs::path& folder, const SampleBlocks::Making& making) {
-  make_folder(folder);
   std::error_code there_is_none;
   fs::remove(index_of(folder),
              there_is_none);  // a making that is killed leaves none that tells of other blocks
@@ -108,11 +108,22 @@ std::vector<SampleBlockNote> made(const fs::path& folder, const SampleBlocks::Ma
   return notes;
 }
 
-std::vector<SampleBlockNote> notes_of(const fs::path& folder, const SampleBlocks::Making& making) {
-  if (!fs::exists(index_of(folder))) return made(folder, making);
+/// What the index says, where it and all blocks are there.
+std::optional<std::vector<SampleBlockNote>> whole(const fs::path& folder,
+                                                  const SampleBlocks::Making& making) {
+  if (!fs::exists(index_of(folder))) return std::nullopt;
   std::vector<SampleBlockNote> notes =
       read_block_index(index_of(folder), making.inputs, making.options.convention.size());
-  return are_there(folder, notes) ? notes : made(folder, making);
+  return are_there(folder, notes) ? std::optional(std::move(notes)) : std::nullopt;
+}
+
+std::vector<SampleBlockNote> notes_of(const fs::path& folder, const SampleBlocks::Making& making) {
+  if (auto notes = whole(folder, making)) return *std::move(notes);
+  make_folder(folder);
+  // Of several trainings of the same samples one makes the blocks.
+  const WorkClaim claim(folder / "blocks.claim");
+  if (auto notes = whole(folder, making)) return *std::move(notes);
+  return made(folder, making);
 }
 
 }  // namespace

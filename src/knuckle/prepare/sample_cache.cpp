@@ -11,6 +11,7 @@
 #include "knuckle/segment/detector/detector_file.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/work_claim.h"
 
 namespace knuckle {
 namespace {
@@ -54,6 +55,9 @@ std::filesystem::path SampleCache::place_of(const Inputs& inputs) const {
 
 NetworkSamples SampleCache::kept(const Inputs& inputs, const std::function<NetworkSamples()>& make) const {
   const std::filesystem::path file = place_of(inputs).string() + ".h5";
+  if (std::filesystem::exists(file)) return read_samples(file, inputs);
+  // Of several trainings of the same samples one cuts them out.
+  const WorkClaim claim(file.string() + ".claim");
   if (std::filesystem::exists(file)) return read_samples(file, inputs);
   NetworkSamples made = make();
   write_samples(file, made, inputs);

@@ -41,7 +41,7 @@ std::size_t place_of(const Bytes& bytes, std::uint32_t signature, int n) {
   return static_cast<std::size_t>(found - bytes.begin());
 }
 
-std::string fault_of(const Bytes& bytes) {
+std::string archive_fault_of(const Bytes& bytes) {
   return error_of([&] {
     for (const ZipEntry& entry : parse_zip(bytes, "a.zip").entries) content_of(entry, "a.zip");
   });
@@ -64,7 +64,7 @@ TEST(ZipArchive, GivesBackWhatWasPutIn) {
 TEST(ZipArchive, CutShortAtAnyLengthIsRefused) {
   const Bytes bytes = zip_bytes();
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    EXPECT_THAT(fault_of({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}),
+    EXPECT_THAT(archive_fault_of({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}),
                 HasSubstr("a.zip"))
         << length;
   }
@@ -88,27 +88,27 @@ TEST(ZipArchive, OfTooManyEntriesIsRefused) {
   const std::size_t end = place_of(bytes, 0x06054b50, 0);
   set_u16(bytes, end + 8, 65535);
   set_u16(bytes, end + 10, 65535);
-  EXPECT_THAT(fault_of(bytes), HasSubstr("it lists 65535 entries, expected at most"));
+  EXPECT_THAT(archive_fault_of(bytes), HasSubstr("it lists 65535 entries, expected at most"));
   const auto of_entries = [](std::size_t count) {
     return zip_of(std::vector<ZipContent>(count, ZipContent{"a", {}}), "");
   };
-  EXPECT_THAT(fault_of(of_entries(static_cast<std::size_t>(limits::kModelEntries) + 1)),
+  EXPECT_THAT(archive_fault_of(of_entries(static_cast<std::size_t>(limits::kModelEntries) + 1)),
               HasSubstr("it lists 257 entries, expected at most"));
-  EXPECT_THAT(fault_of(of_entries(100'000)), HasSubstr("entries, expected at most"));
+  EXPECT_THAT(archive_fault_of(of_entries(100'000)), HasSubstr("entries, expected at most"));
   // Their number has 16 bits: of so many it says 1.
-  EXPECT_THAT(fault_of(of_entries(65'537)), HasSubstr("something lies between its entries"));
+  EXPECT_THAT(archive_fault_of(of_entries(65'537)), HasSubstr("something lies between its entries"));
 }
 
 TEST(ZipArchive, WhoseEntriesOverlapOrLeaveGapsIsRefused) {
   Bytes overlapping = zip_bytes();
   const std::size_t second = place_of(overlapping, 0x02014b50, 1);
   set_u32(overlapping, second + 42, 0);  // where the second entry begins
-  EXPECT_THAT(fault_of(overlapping), HasSubstr("where an entry begins is 0"));
+  EXPECT_THAT(archive_fault_of(overlapping), HasSubstr("where an entry begins is 0"));
   const Bytes twice = zip_of(std::vector<ZipContent>{{"a", {}}, {"a", {}}}, "");
-  EXPECT_THAT(fault_of(twice), HasSubstr("two of its entries have one name"));
+  EXPECT_THAT(archive_fault_of(twice), HasSubstr("two of its entries have one name"));
   Bytes behind = zip_bytes();
   behind.push_back(0);
-  EXPECT_THAT(fault_of(behind), HasSubstr("something follows its end"));
+  EXPECT_THAT(archive_fault_of(behind), HasSubstr("something follows its end"));
 }
 
 TEST(ZipArchive, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
@@ -116,7 +116,8 @@ TEST(ZipArchive, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
     Bytes bytes = zip_bytes();
     set_u32(bytes, 22, size);  // of the first entry, and in the directory
     set_u32(bytes, place_of(bytes, 0x02014b50, 0) + 24, size);
-    EXPECT_THAT(fault_of(bytes), HasSubstr(size < 20000 ? "cannot be inflated" : "says that it holds"));
+    EXPECT_THAT(archive_fault_of(bytes),
+                HasSubstr(size < 20000 ? "cannot be inflated" : "says that it holds"));
   }
 }
 
@@ -131,40 +132,41 @@ TEST(ZipArchive, OfAThousandTimesItsSizeIsRefused) {
 TEST(ZipArchive, WithAnotherMethodOrASumThatDoesNotFitIsRefused) {
   Bytes encrypted = zip_bytes();
   set_u16(encrypted, 6, 1);
-  EXPECT_THAT(fault_of(encrypted), HasSubstr("flags"));
+  EXPECT_THAT(archive_fault_of(encrypted), HasSubstr("flags"));
   Bytes summed = zip_bytes();
   set_u32(summed, 14, 5);
   set_u32(summed, place_of(summed, 0x02014b50, 0) + 16, 5);
-  EXPECT_THAT(fault_of(summed), HasSubstr("the sum of zeros is another"));
+  EXPECT_THAT(archive_fault_of(summed), HasSubstr("the sum of zeros is another"));
   Bytes of_another_method = zip_bytes();
   set_u16(of_another_method, 8, 12);
   set_u16(of_another_method, place_of(of_another_method, 0x02014b50, 0) + 10, 12);
-  EXPECT_THAT(fault_of(of_another_method), HasSubstr("an entry has method 12, expected 0 or 8"));
+  EXPECT_THAT(archive_fault_of(of_another_method), HasSubstr("an entry has method 12, expected 0 or 8"));
 }
 
 TEST(ZipArchive, WhoseDirectorySaysOtherThanTheEntryIsRefused) {
   Bytes summed = zip_bytes();
   set_u32(summed, 14, 5);
-  EXPECT_THAT(fault_of(summed), HasSubstr("a.zip: no sound zip: an entry and the directory disagree"));
+  EXPECT_THAT(archive_fault_of(summed),
+              HasSubstr("a.zip: no sound zip: an entry and the directory disagree"));
   Bytes renamed = zip_bytes();
   renamed[30] = 'Z';
-  EXPECT_THAT(fault_of(renamed), HasSubstr("an entry and the directory disagree"));
+  EXPECT_THAT(archive_fault_of(renamed), HasSubstr("an entry and the directory disagree"));
 }
 
 TEST(ZipArchive, WhoseEndIsMissingOrElsewhereIsRefused) {
   Bytes bytes = zip_bytes();
   const std::size_t end = place_of(bytes, 0x06054b50, 0);
   set_u32(bytes, end + 16, 7);  // where the directory begins
-  EXPECT_THAT(fault_of(bytes), HasSubstr("its directory does not lie right before its end"));
+  EXPECT_THAT(archive_fault_of(bytes), HasSubstr("its directory does not lie right before its end"));
   bytes.resize(end);
-  EXPECT_THAT(fault_of(bytes), HasSubstr("a.zip: no zip, or cut short: its end is missing"));
+  EXPECT_THAT(archive_fault_of(bytes), HasSubstr("a.zip: no zip, or cut short: its end is missing"));
 }
 
 TEST(ZipArchive, WhoseEntryReachesBeyondTheOthersIsRefused) {
   Bytes bytes = zip_bytes();
   set_u32(bytes, 18, 4'000'000);  // the stored bytes of the first entry, and in the directory
   set_u32(bytes, place_of(bytes, 0x02014b50, 0) + 20, 4'000'000);
-  EXPECT_THAT(fault_of(bytes), HasSubstr("a.zip: no sound zip: it ends too early"));
+  EXPECT_THAT(archive_fault_of(bytes), HasSubstr("a.zip: no sound zip: it ends too early"));
 }
 
 TEST(ZipArchive, AnEntryIsReadToAsManyBytesAsItHas) {
