@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,7 +14,9 @@ namespace knuckle {
 /// that names the file (or value), the fault, and what was expected; the program prints it and exits with 1.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// A message may quote what a file holds: what a terminal would not show as it is becomes \\n, \\xNN or
+  /// \\u{NNNN} (`printable`), and a message ends after 16,000 bytes.
+  explicit Error(std::string_view message);
 };
 
 /// Throws an Error with a formatted message.
