@@ -4,6 +4,8 @@
 #include "fuzz_target.h"
 
 #include <memory>
+#include <stdexcept>
+#include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/experiment/network_config.h"
@@ -32,7 +34,8 @@ class SeesNothing final : public Estimator {
 
 }  // namespace
 
-/// '0': with an estimator of the program's own, then a frame is looked at; '1': with that of the file.
+/// '0': with an estimator of the program's own; what it resolves to resolves to itself. '1': with that of the
+/// file.
 void run_pipeline(Bytes bytes) {
   const auto [which, content] = selected(bytes, 2);
   if (which == 1) {

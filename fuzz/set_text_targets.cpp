@@ -4,8 +4,11 @@
 #include "fuzz_target.h"
 
 #include <algorithm>
-#include <array>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "knuckle/core/error.h"
 #include "knuckle/data/readers/folder_source.h"
@@ -27,13 +30,9 @@ struct Kind {
   std::unique_ptr<FrameSource> (*open)(const std::filesystem::path& folder);
 };
 
-template <class Source>
+template <class Source, class... Options>
 std::unique_ptr<FrameSource> opened(const std::filesystem::path& folder) {
-  if constexpr (std::is_constructible_v<Source, std::filesystem::path>) {
-    return std::make_unique<Source>(folder);
-  } else {
-    return std::make_unique<Source>(folder, {});
-  }
+  return std::make_unique<Source>(folder, Options{}...);
 }
 
 std::vector<Kind> kinds() {
@@ -43,24 +42,14 @@ std::vector<Kind> kinds() {
       {folder, "times.txt", opened<FolderSource>},
       {folder, "sequences.txt", opened<FolderSource>},
       {folder, "joints.txt", opened<FolderSource>},
-      {{{"Depth/a.png", ""}},
-       "labels.txt",
-       [](const auto& path) -> std::unique_ptr<FrameSource> {
-         return std::make_unique<IcvlSource>(path, IcvlOptions{});
-       }},
-      {{{"images/a.png", ""}},
-       "Training_Annotation.txt",
-       [](const auto& path) -> std::unique_ptr<FrameSource> {
-         return std::make_unique<Hands17Source>(path, Hands17Options{});
-       }},
+      {{{"Depth/a.png", ""}}, "labels.txt", opened<IcvlSource, IcvlOptions>},
+      {{{"images/a.png", ""}}, "Training_Annotation.txt", opened<Hands17Source, Hands17Options>},
       {{{"P0/1/000000_depth.bin", ""}, {"P0/1/000002_depth.bin", ""}},
        "P0/1/joint.txt",
        opened<Msra15Source>},
       {{{"calib.txt", "200 200\n2 2\n"}, {"1_2_depth.csv", "400,401\n500,501\n"}},
        "1_2_anno_me.txt",
-       [](const auto& path) -> std::unique_ptr<FrameSource> {
-         return std::make_unique<IcgSource>(path, IcgOptions{});
-       }},
+       opened<IcgSource, IcgOptions>},
   };
 }
 
