@@ -47,7 +47,8 @@ PixelSamples few_pixels() {
 
 void train_segmentation_forest(const TrainingRun& run) {
   static const PixelSamples samples = few_pixels();
-  const PixelForest forest = train_pixel_forest(samples, {.trees = 2, .tree = kSmallTrees}, run);
+  const PixelForest forest =
+      train_pixel_forest(samples, {.trees = 2, .tree = kSmallTrees, .offsets = {}}, run);
   (void)forest.above(Image<float>(12, 9, 600.0F), kCamera, 0.5F);
 }
 

@@ -91,7 +91,7 @@ void share_segmentation_forest(WorkerGroup& workers) {
   PixelSamples samples(1);
   samples.set(0, depth, camera, std::vector<LabelledPixel>{{3, 2, 1}, {4, 4, 0}, {1, 1, 0}});
   const auto forest = train_pixel_forest(workers, samples, workers.rank(),
-                                         {.trees = 1, .tree = kTinyTrees, .memory_gb = 4e-3});
+                                         {.trees = 1, .tree = kTinyTrees, .offsets = {}, .memory_gb = 4e-3});
   if (forest) (void)forest->above(Image<float>(6, 5, 600.0F), camera, 0.5F);
 }
 
