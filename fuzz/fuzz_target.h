@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace knuckle::fuzz {
@@ -20,7 +22,7 @@ struct FuzzTarget {
 std::span<const FuzzTarget> fuzz_targets();
 
 /// Hands the bytes to the target of that name; ends the program where it throws anything but an Error of one
-/// line.
+/// printable line, which is not longer than a person would read.
 void run_target(std::string_view name, Bytes bytes);
 
 /// A file with these bytes, in memory where the machine has such a place, for readers that open files by
@@ -38,6 +40,32 @@ class FuzzFile {
   std::filesystem::path path_;
 };
 
+/// An empty folder, in memory where the machine has such a place, for readers of several files. It goes with
+/// its owner, and all in it.
+class FuzzFolder {
+ public:
+  FuzzFolder();
+  ~FuzzFolder();
+  FuzzFolder(const FuzzFolder&) = delete;
+  FuzzFolder& operator=(const FuzzFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Makes a file in it, or replaces it, and the folders above it.
+  void write(const std::filesystem::path& name, std::string_view content) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A byte that says which of several readers gets what follows it.
+struct Selected {
+  std::size_t which = 0;  ///< [0, count)
+  Bytes rest;
+};
+/// Which of `count` readers the first byte names: '0' the first, '1' the second, and so on. Nothing is the
+/// first.
+Selected selected(Bytes bytes, std::size_t count);
+
 inline std::string_view as_text(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -45,6 +73,9 @@ inline std::string_view as_text(Bytes bytes) {
 inline Bytes as_bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
+
+/// A model's file with a sum that fits, so that what lies after it is reached.
+std::string with_sum(Bytes bytes);
 
 // The targets, by what they read.
 void run_zip(Bytes bytes);
@@ -83,5 +114,20 @@ void run_request(Bytes bytes);
 void run_labels(Bytes bytes);
 void run_label_request(Bytes bytes);
 void run_worker_samples(Bytes bytes);
+void run_worker_talk(Bytes bytes);
+void run_detector(Bytes bytes);
+void run_forest_checkpoint(Bytes bytes);
+void run_onnx_estimator(Bytes bytes);
+void run_samples(Bytes bytes);
+void run_sample_index(Bytes bytes);
+void run_convention(Bytes bytes);
+void run_landmarks(Bytes bytes);
+void run_pipeline(Bytes bytes);
+void run_training_config(Bytes bytes);
+void run_plan(Bytes bytes);
+void run_set_texts(Bytes bytes);
+void run_frame_note(Bytes bytes);
+void run_experiment_results(Bytes bytes);
+void run_makehuman(Bytes bytes);
 
 }  // namespace knuckle::fuzz

@@ -3,6 +3,9 @@
 #include "fuzz_target.h"
 
 #include <algorithm>
+#include <functional>
+#include <initializer_list>
+#include <optional>
 #include <vector>
 
 #include "knuckle/core/error.h"
@@ -13,6 +16,7 @@
 #include "knuckle/data/readers/msra15_source.h"
 #include "knuckle/data/readers/nyu_truth.h"
 #include "knuckle/data/readers/png_decoder.h"
+#include "knuckle/data/readers/stored_frame.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
 namespace knuckle::fuzz {
@@ -50,16 +54,38 @@ void run_hdf5(Bytes bytes) {
   }
 }
 
+namespace {
+
+/// Calls all of them, whichever of them throws; then throws the last Error.
+void each_by_itself(std::initializer_list<std::function<void()>> readers) {
+  std::optional<Error> fault;
+  for (const std::function<void()>& read : readers) {
+    try {
+      read();
+    } catch (const Error& error) {
+      fault = error;
+    }
+  }
+  if (fault) throw *fault;
+}
+
+}  // namespace
+
+/// What `inspect`, `evaluate` and `join` read of a set.
 void run_h5_set(Bytes bytes) {
   const FuzzFile file(bytes, ".h5");
   const H5Source source(file.path());
-  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) (void)source.read(i);
+  (void)source.facts();
+  for (std::int64_t i = 0; i < std::min<std::int64_t>(source.size(), 3); ++i) {
+    each_by_itself({[&] { (void)source.read(i); }, [&] { (void)source.read_label(i); },
+                    [&] { (void)stored_frame_from(to_bytes(source.read_stored(i)), "fuzz"); }});
+  }
 }
 
 void run_frame_log(Bytes bytes) {
   const FuzzFile file(bytes, ".partial");
   FrameLog log(file.path(), "fuzz");
-  for (const std::int64_t index : log.indices()) (void)log.read(index);
+  for (const std::int64_t index : log.indices()) (void)stored_frame_from(log.read(index), "fuzz");
 }
 
 }  // namespace knuckle::fuzz

@@ -2,37 +2,17 @@
 // Models: their container, and what their numbers mean.
 #include "fuzz_target.h"
 
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <functional>
-#include <string>
 #include <vector>
 
-#include "knuckle/core/error.h"
 #include "knuckle/estimate/pose_forest.h"
 #include "knuckle/hand/body_file.h"
 #include "knuckle/net/network_file.h"
+#include "knuckle/segment/detector/detector_file.h"
 #include "knuckle/segment/segmentation_forest.h"
-#include "knuckle/storage/deflate.h"
 #include "knuckle/storage/model_file.h"
 #include "knuckle/storage/zip_archive.h"
 
 namespace knuckle::fuzz {
-namespace {
-
-/// The bytes with a sum that fits, so that what lies after it is reached.
-std::string with_sum(Bytes bytes) {
-  constexpr std::size_t kDigits = 16;
-  std::string content(as_text(bytes));
-  if (content.size() < kDigits) return content;
-  content.resize(content.size() - kDigits);
-  const Bytes before(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
-  return content + fmt::format("{:08x}{:08x}", crc32(before), adler32(before));
-}
-
-}  // namespace
-
 void run_zip(Bytes bytes) {
   for (const ZipEntry& entry : parse_zip(bytes, "fuzz.zip").entries) content_of(entry, "fuzz.zip");
 }
@@ -56,6 +36,11 @@ void run_segmentation_forest(Bytes bytes) {
 
 void run_body(Bytes bytes) {
   (void)body_hash(read_body(ModelFile::parse(with_sum(bytes), "fuzz.model")));
+}
+
+void run_detector(Bytes bytes) {
+  (void)detector_options_as_toml(
+      read_detector_weights(ModelFile::parse(with_sum(bytes), "fuzz.pt")).options());
 }
 
 void run_network(Bytes bytes) {

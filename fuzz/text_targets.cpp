@@ -16,6 +16,7 @@
 #include "knuckle/data/readers/icg_format.h"
 #include "knuckle/data/readers/line_index.h"
 #include "knuckle/data/source_spec.h"
+#include "knuckle/pipeline/frame_note.h"
 #include "knuckle/storage/growing_files.h"
 #include "knuckle/synth/manifest.h"
 
@@ -90,7 +91,7 @@ void run_journal(Bytes bytes) {
   try {
     GrowingFiles files(journal.path(), {{result, "# head\n"}}, {{"source", "fuzz"}},
                        GrowingFiles::Begin::where_it_stopped);
-    files.for_each_note([](std::string_view) {});
+    files.for_each_note([](std::string_view note) { (void)note_from_line(note); });
   } catch (...) {
     remove_all();
     throw;

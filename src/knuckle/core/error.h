@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,16 +14,9 @@ namespace knuckle {
 /// that names the file (or value), the fault, and what was expected; the program prints it and exits with 1.
 class Error : public std::runtime_error {
  public:
-  /// What a file says may be part of the message. A 0 in it would end the message: it is written as \x00.
-  explicit Error(std::string message) : std::runtime_error(without_zeros(std::move(message))) {}
-
- private:
-  static std::string without_zeros(std::string message) {
-    for (std::size_t at = 0; at < message.size(); ++at) {
-      if (message[at] == 0) message.replace(at, 1, "\\x00");
-    }
-    return message;
-  }
+  /// A message may quote what a file holds: what a terminal would not show as it is becomes \\n, \\xNN or
+  /// \\u{NNNN} (`printable`), and a message ends after 16,000 bytes.
+  explicit Error(std::string_view message);
 };
 
 /// Throws an Error with a formatted message.

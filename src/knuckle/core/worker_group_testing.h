@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "knuckle/core/worker_group.h"
+#include "knuckle/core/worker_messages.h"
 
 namespace knuckle::testing {
 
@@ -84,5 +85,36 @@ class ThreadWorkers {
   std::barrier<> all_;
   std::atomic<bool> is_one_lost_ = false;
 };
+
+/// Worker 0 of two, whose other worker says these messages, one after another, whatever it is asked.
+class ToldWorkers final : public WorkerGroup {
+ public:
+  explicit ToldWorkers(std::vector<std::vector<std::byte>> told) : told_(std::move(told)) {}
+
+  int rank() const override { return 0; }
+  int size() const override { return 2; }
+  std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
+    std::vector<std::byte> received(sent.bytes.begin(), sent.bytes.begin() + sent.sizes[0]);
+    if (next_ == told_.size()) throw std::runtime_error("the other worker says nothing more");
+    const std::vector<std::byte>& told = told_[next_++];
+    EXPECT_EQ(std::ssize(told), sizes[1]) << "message " << next_;
+    received.insert(received.end(), told.begin(), told.end());
+    return received;
+  }
+  double seconds_in_exchange() const override { return 0.0; }
+  std::int64_t bytes_sent() const override { return 0; }
+
+ private:
+  std::vector<std::vector<std::byte>> told_;
+  std::size_t next_ = 0;
+};
+
+/// Values as one message.
+template <class... Values>
+std::vector<std::byte> message_of(const Values&... values) {
+  std::vector<std::byte> message;
+  (append_value(message, values), ...);
+  return message;
+}
 
 }  // namespace knuckle::testing

@@ -1,36 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/scores.h"
 
-#include <nlohmann/json.hpp>
-
-#include "knuckle/core/error.h"
-#include "knuckle/core/text_file.h"
 #include "knuckle/data/boxes_file.h"
+#include "knuckle/experiment/run_summary.h"
 #include "knuckle/prepare/open_source.h"
 
 namespace knuckle {
 namespace {
 
 constexpr GalleryOptions kGallery{.even_frames = 4, .worst_frames = 1};
-
-nlohmann::json read_summary(const std::filesystem::path& result) {
-  const std::filesystem::path path = ExperimentFolder::summary(result);
-  try {
-    return nlohmann::json::parse(read_text_file(path));
-  } catch (const nlohmann::json::exception& error) {
-    fail("{}: no summary of a run: {}", path.string(), error.what());
-  }
-}
-
-double inference_ms(const nlohmann::json& summary) {
-  const auto& times = summary.at("median_ms");
-  return times.at("patch").get<double>() + times.at("estimate").get<double>() +
-         times.at("refine").get<double>();
-}
-
-double mask_iou(const nlohmann::json& summary) {
-  return summary.contains("mask") ? summary["mask"].at("pixel_iou").get<double>() : kNaN;
-}
 
 class SequenceScorer {
  public:
@@ -53,10 +31,10 @@ class SequenceScorer {
  private:
   void add_segmentation(const PlannedMethod& method) {
     const std::filesystem::path file = folder_.boxes(sequence_, method);
-    const auto summary = read_summary(file);
+    const SegmentationSummary summary = read_segmentation_summary(ExperimentFolder::summary(file));
     scores_.segmentation.push_back(score_boxes(method.name, read_boxes_file(file), truth_.sequence.poses));
-    scores_.mask_iou.push_back(mask_iou(summary));
-    scores_.segmentation_ms.push_back(summary.at("median_ms").get<double>());
+    scores_.mask_iou.push_back(summary.mask_iou);
+    scores_.segmentation_ms.push_back(summary.median_ms);
   }
 
   void add_estimations() {
@@ -64,7 +42,7 @@ class SequenceScorer {
     for (const PlannedMethod& method : plan_.estimation) {
       const std::filesystem::path file = folder_.poses(sequence_, method);
       predictions.push_back({method.name, read_poses_file(file)});
-      scores_.estimation_ms.push_back(inference_ms(read_summary(file)));
+      scores_.estimation_ms.push_back(read_inference_ms(ExperimentFolder::summary(file)));
     }
     for (HandPose& pose : truth_.sequence.poses) pose = converted(pose, plan_.convention);
     truth_.sequence.convention = plan_.convention;

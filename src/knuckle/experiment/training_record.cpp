@@ -26,6 +26,9 @@ Columns read_columns(const std::filesystem::path& path) {
   if (lines.empty()) fail("{}: expected metrics, found nothing", path.string());
   const std::vector<std::string_view> heads = split(lines.front(), ',');
   Columns columns;
+  for (const std::string_view head : heads) {
+    if (!columns.try_emplace(std::string(head)).second) fail("{}: two columns {}", path.string(), head);
+  }
   for (std::size_t row = 1; row < lines.size(); ++row) {
     const std::string where = fmt::format("{}:{}", path.string(), row + 1);
     const std::vector<double> numbers = parse_numbers(lines[row], where);
@@ -55,6 +58,9 @@ void add_metrics(const std::filesystem::path& path, TrainingRecord& record) {
     before = samples[i];
   }
   record.seconds = seconds;
+  constexpr double kMostSamples = 1e15;  // of so many each is a whole number
+  if (!(before >= 0.0 && before <= kMostSamples))
+    fail("{}: {} samples, expected a number of them", path.string(), before);
   record.samples = static_cast<std::int64_t>(before);
   for (const double error : column(columns, "validation_second_mm", path)) {
     if (!(error >= record.validation_mm)) record.validation_mm = error;

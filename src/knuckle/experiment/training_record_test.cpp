@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/experiment/training_record.h"
 
+#include <fmt/format.h>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/storage/file_io.h"
 
@@ -49,6 +51,27 @@ TEST(TrainingRecordTest, NamesADamagedFile) {
   write_text_file(folder / "a.pt.metrics.csv", "step,samples\n1,2\n");
   EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
               HasSubstr("no column samples_per_second"));
+}
+
+TEST(TrainingRecordTest, AColumnThatIsThereTwiceIsRefused) {
+  const TemporaryFolder folder;
+  write_trained_record(folder / "a.pt", 1.0);
+  write_text_file(folder / "a.pt.metrics.csv",
+                  "samples,samples,validation_second_mm,samples_per_second\n1,2,40,50\n");
+  EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
+              HasSubstr("a.pt.metrics.csv: two columns samples"));
+}
+
+TEST(TrainingRecordTest, ANumberOfSamplesThatNoTrainingSeesIsRefused) {
+  const TemporaryFolder folder;
+  write_trained_record(folder / "a.pt", 1.0);
+  for (const char* samples : {"1e300", "-1", "nan"}) {
+    write_text_file(folder / "a.pt.metrics.csv",
+                    fmt::format("samples,validation_second_mm,samples_per_second\n{},40,50\n", samples));
+    EXPECT_THAT(error_of([&] { read_training_record(folder / "a.pt"); }),
+                HasSubstr("samples, expected a number of them"))
+        << samples;
+  }
 }
 
 }  // namespace

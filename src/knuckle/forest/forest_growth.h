@@ -116,8 +116,11 @@ SplitLog<Feature> log_of_first(WorkerGroup& workers, const SplitLog<Feature>& ow
     for (std::vector<std::byte>& message : sent) append_values(message, std::span(own));
   }
   const ReceivedMessages received = exchanged(workers, std::move(sent));
-  SplitLog<Feature> log(received.bytes.size() / sizeof(NodeSplit<Feature>));
-  MessageReader(received.bytes).read(std::span(log));
+  const std::span<const std::byte> message = received.parts[0];
+  if (message.size() % sizeof(NodeSplit<Feature>) != 0)
+    fail("a worker's message of splits has {} bytes, which is no number of them", message.size());
+  SplitLog<Feature> log(message.size() / sizeof(NodeSplit<Feature>));
+  MessageReader(message).read(std::span(log));
   return log;
 }
 
@@ -129,6 +132,10 @@ void grow_each_tree(const TreeOptions& options, std::size_t first_tree, std::siz
                     std::int64_t steps_per_level, const TrainingRun& run, const std::string& fingerprint,
                     WorkerGroup* workers, const Grow& grow, const Append& append) {
   using Log = SplitLog<Feature>;
+  if (first_tree > trees) {
+    fail("forest training: {} trees are done of {}: the checkpoint or another worker is damaged", first_tree,
+         trees);
+  }
   const std::int64_t steps_per_tree = steps_per_level * options.max_depth;
   Progress progress("train forest", "steps", static_cast<std::int64_t>(trees) * steps_per_tree);
   progress.advance(static_cast<std::int64_t>(first_tree) * steps_per_tree);

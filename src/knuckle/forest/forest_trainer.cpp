@@ -289,6 +289,9 @@ std::optional<RegressionForest> train_regression_forest(WorkerGroup& workers, Tr
   MovingSamples moving(samples);
   moving.set_places(workers, first_number);
   if (moving.total() == 0) fail("forest training: there are no samples");
+  // This worker's part of what all say that they have.
+  check_training_memory(part_of_worker(moving.total(), workers.rank(), workers.size()).size(),
+                        samples.feature_count(), samples.target_count(), options);
   const OwnSamples first = moving.in_order(workers);
   const std::string fingerprint =
       fingerprint_of(options, target_weights, hash_of_all(workers, samples, first));

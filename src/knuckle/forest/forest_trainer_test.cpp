@@ -10,6 +10,10 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/forest/forest_testing.h"
+#include "knuckle/forest/pixel_pairs.h"
+#include "knuckle/forest/scoring_targets.h"
+#include "knuckle/forest/split_score.h"
+#include "knuckle/forest/tree_grower.h"
 
 namespace knuckle {
 namespace {
@@ -221,6 +225,29 @@ TEST(TrainRegressionForest, RefusesAForeignCheckpoint) {
   const TrainingSamples samples = RandomRows(10, 3, 2).samples();
   EXPECT_THAT(error_of([&] { train_regression_forest(samples, small_regression_options(), run); }),
               HasSubstr("c.model"));
+}
+
+/// Grows a tree from splits that a checkpoint says a stopped run has found.
+std::string fault_of_log(const NodeSplit<PixelPair>& split) {
+  const TrainingSamples samples = RandomRows(20, 3, 2).samples();
+  const TrainingSamples::CanonicalOrder order = samples.canonical_order();
+  const ScoringTargets scoring = make_scoring_targets(samples, {order.indices}, {}, 2);
+  const PixelPairFeatures features(samples);
+  const VarianceStatistics<8> statistics(scoring);
+  TreeGrower grower(features, statistics, TreeOptions{.max_depth = 2, .splits_per_node = 5});
+  Progress progress("grow", "steps", 1);
+  SplitLog<PixelPair> log{split};
+  return error_of([&] { grower.grow(order.indices, 1, progress, log, [](const auto&) {}); });
+}
+
+TEST(TreeGrower, SplitsOfACheckpointReadWhatSamplesHave) {
+  EXPECT_THAT(fault_of_log({.feature = {0, 3}, .threshold = 0, .gain = 1.0F}),
+              HasSubstr("what no sample has"));
+}
+
+TEST(TreeGrower, SplitsOfACheckpointPartSamples) {
+  EXPECT_THAT(fault_of_log({.feature = {1, 1}, .threshold = 1, .gain = 1.0F}), HasSubstr("parts no samples"));
+  EXPECT_THAT(fault_of_log({.feature = {1, 1}, .threshold = 0, .gain = 1.0F}), HasSubstr("parts no samples"));
 }
 
 }  // namespace

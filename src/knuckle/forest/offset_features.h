@@ -55,6 +55,12 @@ class OffsetFeatures {
     const DepthOffset& second = block.pool[pair.second];
     return {first.x, first.y, second.x, second.y};
   }
+  /// Whether it reads within the offsets that there are.
+  static bool can_read(const OffsetPair& pair) {
+    const auto is_offset = [](int offset) { return offset >= -kMostOffset && offset <= kMostOffset; };
+    return is_offset(pair.first_x) && is_offset(pair.first_y) && is_offset(pair.second_x) &&
+           is_offset(pair.second_y);
+  }
   /// The feature of one sample.
   std::int16_t value(std::uint32_t sample, const OffsetPair& pair) const {
     const auto& [index, column, row] = samples_[sample];

@@ -64,7 +64,7 @@ void append_tree(PixelForest::Parts& parts, WorkerGroup& workers, const SharedTr
 /// Moves the images of all workers to where the order of training has them: by their hash, then their number.
 /// Returns this worker's.
 std::vector<std::uint32_t> images_in_order(WorkerGroup& workers, PixelSamples& samples,
-                                           std::int64_t first_number) {
+                                           std::int64_t first_number, const PixelForestOptions& options) {
   const std::vector<std::uint64_t> hashes = hashes_of_images(samples);
   std::vector<std::uint32_t> own;
   std::vector<SampleKey> keys;
@@ -74,6 +74,8 @@ std::vector<std::uint32_t> images_in_order(WorkerGroup& workers, PixelSamples& s
     keys.push_back({hashes[i], first_number + i});
   }
   const CanonicalPlaces canonical = canonical_places(workers, keys);
+  const std::int64_t part = part_of_worker(canonical.total, workers.rank(), workers.size()).size();
+  check_training_memory(static_cast<double>(part) * sizeof(PixelSamples::DepthImage), part, part, options);
   return moved_to_places(workers, samples, own, canonical.places,
                          equal_cuts(canonical.total, workers.size()));
 }
@@ -178,7 +180,7 @@ std::optional<PixelForest> train_pixel_forest(WorkerGroup& workers, PixelSamples
                                               std::int64_t first_number, const PixelForestOptions& options,
                                               const TrainingRun& run) {
   check(options);
-  const std::vector<std::uint32_t> images = images_in_order(workers, samples, first_number);
+  const std::vector<std::uint32_t> images = images_in_order(workers, samples, first_number, options);
   const ArrangedPart part = arranged(samples, images, hashes_of_images(samples));
   const ArrangedSamples& own = part.samples;
   const std::string fingerprint = fingerprint_of(options, chained_hash(workers, part.words));
@@ -187,8 +189,10 @@ std::optional<PixelForest> train_pixel_forest(WorkerGroup& workers, PixelSamples
   std::iota(order.samples.begin(), order.samples.end(), 0U);
   const auto ones = std::accumulate(own.labels.begin(), own.labels.end(), std::int64_t{0});
   check_classes(sum_of_workers(workers, ones).total, order.count.total);
+  // Where what all have does not fit on average, it does not fit somewhere.
+  const std::int64_t average = order.count.total / workers.size();
   check_training_memory(static_cast<double>(samples.bytes()), std::ssize(samples.images()),
-                        std::ssize(own.samples), options);
+                        std::max(std::ssize(own.samples), average), options);
 
   PixelForest::Parts parts = first_parts(run.checkpoint, fingerprint);
   const auto append = [&](const SharedTree<OffsetPair>& tree) {

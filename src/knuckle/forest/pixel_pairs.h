@@ -63,6 +63,10 @@ class PixelPairFeatures {
     block.difference({pair.first, pair.second}, values);
   }
   static PixelPair feature(const Block& /*block*/, PixelPair candidate) { return candidate; }
+  /// Whether samples have what it reads.
+  bool can_read(PixelPair pair) const {
+    return pair.first < samples_->feature_count() && pair.second < samples_->feature_count();
+  }
   /// The feature of one sample.
   std::int16_t value(std::uint32_t sample, PixelPair pair) const {
     const std::int16_t* row = samples_->features(sample);

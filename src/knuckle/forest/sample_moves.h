@@ -25,6 +25,8 @@ concept SampleStore = requires(T store, const T& full, std::uint32_t slot, std::
 
 /// Bytes that a worker sends in one go: both messages are held in memory while samples move.
 inline constexpr std::int64_t kMoveBytes = std::int64_t{8} << 20;
+/// So often at most: a worker has no more than 8 TB.
+inline constexpr std::int64_t kMostRounds = std::int64_t{1} << 20;
 
 /// Moves samples to the workers whose parts hold their places. `slots` are those of this worker that take
 /// part, `places` theirs among those of all workers (each place is held by one), `cuts` where the workers'
@@ -39,7 +41,8 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
   const auto count = static_cast<std::size_t>(workers.size());
   const auto rank = static_cast<std::size_t>(workers.rank());
   const std::int64_t begin = cuts[rank];
-  std::vector<std::uint32_t> arranged(static_cast<std::size_t>(cuts[rank + 1] - begin));
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> arranged(static_cast<std::size_t>(cuts[rank + 1] - begin), kNone);
   std::vector<std::vector<std::size_t>> leaving(count);
   std::int64_t bytes = 0;
   for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -52,7 +55,9 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
     }
   }
   const std::vector<std::int64_t> all_bytes = values_of_all(workers, bytes);
-  const auto rounds = static_cast<int>((*std::ranges::max_element(all_bytes) + kMoveBytes - 1) / kMoveBytes);
+  const std::int64_t most_bytes = std::ranges::max(all_bytes);
+  if (most_bytes / kMoveBytes >= kMostRounds) fail("a worker says that it sends {} bytes", most_bytes);
+  const auto rounds = static_cast<int>((most_bytes + kMoveBytes - 1) / kMoveBytes);
   for (int round = 0; round < rounds; ++round) {
     OwnMessages sent(count);
     for (std::size_t worker = 0; worker < count; ++worker) {
@@ -73,6 +78,8 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
       arranged[static_cast<std::size_t>(place - begin)] = store.put(reader);
     }
   }
+  if (std::ranges::find(arranged, kNone) != arranged.end())
+    fail("workers have not sent the samples of all places of worker {} of {}", rank, count);
   return arranged;
 }
 

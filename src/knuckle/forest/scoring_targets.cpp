@@ -107,6 +107,8 @@ void read_message(std::span<const std::byte> message, RunningSum& sum) {
   reader.read(std::span(sum.whole.data(), static_cast<std::size_t>(sum.whole.size())));
   reader.read(std::span(sum.open.data(), static_cast<std::size_t>(sum.open.size())));
   sum.rows = reader.value<std::int64_t>();
+  if (sum.rows < 0 || !sum.whole.allFinite() || !sum.open.allFinite())
+    fail("a worker's message: a sum of {} rows that is no number", sum.rows);
 }
 
 /// Sums `term(sample)` over the samples of all workers: chunks in parallel, then their sums in order. The
@@ -200,7 +202,10 @@ ScoringTargets make_scoring_targets(const TrainingSamples& samples, const Sample
   scoring.captured_variance = projection.captured_variance;
   scoring.values.resize(static_cast<std::size_t>(samples.capacity() * dimensions));
   double largest = projected.size() > 0 ? static_cast<double>(projected.cwiseAbs().maxCoeff()) : 0.0;
-  if (rows.workers != nullptr) largest = std::ranges::max(values_of_all(*rows.workers, largest));
+  if (rows.workers != nullptr) {
+    largest = std::ranges::max(values_of_all(*rows.workers, largest));
+    if (!std::isfinite(largest)) fail("a worker's message: a largest target of {}", largest);
+  }
   if (largest > 0.0) scoring.step = static_cast<float>(largest / kLargest);
   for (Eigen::Index i = 0; i < projected.cols(); ++i) {
     std::int16_t* row = scoring.values.data() + order[static_cast<std::size_t>(i)] * dimensions;

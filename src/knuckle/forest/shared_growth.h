@@ -124,6 +124,7 @@ class SharedTreeGrower {
   };
 
   void start(const OwnSamples& samples, std::uint64_t seed);
+  std::vector<std::int64_t> begins_of_all(std::int64_t own, std::int64_t total);
   Batch next_batch(std::size_t first) const;
   void split_batch(const Batch& batch, std::uint64_t seed, Log& log);
   bool has_shared_nodes(const Batch& batch) const;
@@ -163,6 +164,7 @@ template <SharedFeatures Features, SharedStatistics Statistics>
 auto SharedTreeGrower<Features, Statistics>::grow(const OwnSamples& samples, std::uint64_t seed,
                                                   Progress& progress, Log& log,
                                                   const std::function<void(const Log&)>& nodes_done) -> Tree {
+  check_splits(features_, std::span<const Split>(log));
   start(samples, seed);
   const std::int64_t bag = tree_.shares[0].total;
   std::size_t first_node = 0;
@@ -212,7 +214,19 @@ void SharedTreeGrower<Features, Statistics>::start(const OwnSamples& samples, st
   }
   tree_.own.nodes.push_back({.end = static_cast<std::uint32_t>(tree_.own.samples.size())});
   tree_.shares = summed_shares(workers_, std::vector<std::uint32_t>{tree_.own.nodes[0].end});
-  cuts_ = SampleCuts(values_of_all(workers_, before), count);
+  if (tree_.shares[0].total != count)
+    fail("forest training: workers have {} samples of a tree, expected {}", tree_.shares[0].total, count);
+  cuts_ = SampleCuts(begins_of_all(before, count), count);
+}
+
+/// Where the workers' parts of a tree's samples begin.
+template <SharedFeatures Features, SharedStatistics Statistics>
+std::vector<std::int64_t> SharedTreeGrower<Features, Statistics>::begins_of_all(std::int64_t own,
+                                                                                std::int64_t total) {
+  const std::vector<std::int64_t> begins = values_of_all(workers_, own);
+  if (begins.front() != 0 || begins.back() > total || !std::ranges::is_sorted(begins))
+    fail("forest training: the workers' parts of a tree's samples do not follow one another");
+  return begins;
 }
 
 template <SharedFeatures Features, SharedStatistics Statistics>
@@ -366,6 +380,7 @@ auto SharedTreeGrower<Features, Statistics>::jobs_of(const Batch& batch,
         jobs[shared[i]].entries.push_back(reinterpret_cast<const std::int16_t*>(entry.data()));
       }
     }
+    if (!reader.is_at_end()) fail("a worker's message of samples has {} bytes too many", reader.bytes_left());
   }
   for (const std::size_t job : shared) {
     if (jobs[job].entries.size() != scored(jobs[job].node)) {
@@ -409,6 +424,7 @@ void SharedTreeGrower<Features, Statistics>::share_splits(const Batch& batch, co
     if (searcher == kNobody) continue;
     splits[node - batch.first] = readers[static_cast<std::size_t>(searcher)].template value<Split>();
   }
+  check_splits(features_, std::span<const Split>(splits));
 }
 
 template <SharedFeatures Features, SharedStatistics Statistics>
@@ -418,7 +434,7 @@ void SharedTreeGrower<Features, Statistics>::add_children(std::size_t first_node
   std::vector<std::uint32_t> left(splits.size());
   parallel_for(std::ssize(splits), [&](std::int64_t i) {
     const Split& split = splits[static_cast<std::size_t>(i)];
-    if (split.gain <= 0.0F) return;
+    if (!(split.gain > 0.0F)) return;
     GrownNode<Feature>& node = nodes[first_node + static_cast<std::size_t>(i)];
     node.feature = split.feature;
     node.threshold = split.threshold;
@@ -428,7 +444,7 @@ void SharedTreeGrower<Features, Statistics>::add_children(std::size_t first_node
   std::vector<std::uint32_t> own;
   const std::size_t first_child = nodes.size();
   for (std::size_t i = 0; i < splits.size(); ++i) {
-    if (splits[i].gain <= 0.0F) continue;
+    if (!(splits[i].gain > 0.0F)) continue;
     const GrownNode<Feature> parent = nodes[first_node + i];
     nodes[first_node + i].left = static_cast<std::int32_t>(nodes.size());
     const std::uint32_t middle = parent.begin + left[i];
@@ -439,7 +455,10 @@ void SharedTreeGrower<Features, Statistics>::add_children(std::size_t first_node
   std::vector<NodeShare> shares = summed_shares(workers_, own);
   std::size_t child = 0;
   for (std::size_t i = 0; i < splits.size(); ++i) {
-    if (splits[i].gain <= 0.0F) continue;
+    if (!(splits[i].gain > 0.0F)) continue;
+    check_sides(shares[child].total, shares[child + 1].total);
+    if (shares[child].total + shares[child + 1].total != tree_.shares[first_node + i].total)
+      fail("forest training: workers disagree on the samples of a node");
     shares[child].first = tree_.shares[first_node + i].first;
     shares[child + 1].first = shares[child].first + shares[child].total;
     child += 2;

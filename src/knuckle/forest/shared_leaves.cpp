@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/worker_messages.h"
 
@@ -112,6 +113,10 @@ std::vector<ClassCount> shared_class_counts(WorkerGroup& workers, std::span<cons
   for (const std::span<const std::byte> part : received.parts) {
     MessageReader reader(part);
     for (ClassCount& count : counts) count.ones += reader.value<std::uint32_t>();
+  }
+  for (const ClassCount& count : counts) {
+    if (count.ones > count.all)
+      fail("workers' messages: {} of {} samples of a leaf are of class 1", count.ones, count.all);
   }
   return counts;
 }

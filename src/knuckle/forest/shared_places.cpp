@@ -36,6 +36,8 @@ struct SummedPart {
   std::int64_t holder = NodeShare::kSeveral;
 };
 
+/// Of samples that any training has: numbers of them can be added up.
+constexpr std::int64_t kMostThings = std::int64_t{1} << 48;
 constexpr std::int64_t kNumberBytes = sizeof(std::uint32_t);
 constexpr std::int64_t kSumBytes = sizeof(SummedPart);
 
@@ -50,6 +52,17 @@ SummedPart summed(std::span<const std::uint32_t> parts) {
   }
   if (holders != 1) sum.holder = NodeShare::kSeveral;
   return sum;
+}
+
+/// What another worker tells of a node of which this one has `own` samples.
+void check(const SummedPart& sum, std::int64_t own, int workers) {
+  const bool is_sound = sum.before >= 0 && sum.before <= kMostThings && sum.total <= kMostThings &&
+                        sum.before + own <= sum.total && sum.holder >= NodeShare::kSeveral &&
+                        sum.holder < workers;
+  if (!is_sound) {
+    fail("a worker's message: a node of {} samples, {} of them before, with worker {} of {}", sum.total,
+         sum.before, sum.holder, workers);
+  }
 }
 
 }  // namespace
@@ -85,7 +98,10 @@ CanonicalPlaces canonical_places(WorkerGroup& workers, std::span<const SampleKey
   CanonicalPlaces result;
   result.total = sorted_before.total;
   for (const SampleKey& key : own) {
-    result.places.push_back(readers[sorter_of(key.hash, workers.size())].value<std::int64_t>());
+    const auto place = readers[sorter_of(key.hash, workers.size())].value<std::int64_t>();
+    if (place < 0 || place >= result.total)
+      fail("a worker's message: a sample with place {}, expected [0, {})", place, result.total);
+    result.places.push_back(place);
   }
   return result;
 }
@@ -135,6 +151,7 @@ std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::
   MessageReader reader(heard.bytes);  // parts of the nodes lie in the order of the workers
   for (std::int64_t i = 0; i < nodes; ++i) {
     const auto sum = reader.value<SummedPart>();
+    check(sum, own[static_cast<std::size_t>(i)], count);
     shares.push_back({.first = 0,
                       .total = sum.total,
                       .before = sum.before,
@@ -147,8 +164,10 @@ SumOfWorkers sum_of_workers(WorkerGroup& workers, std::int64_t own) {
   const std::vector<std::int64_t> all = values_of_all(workers, own);
   SumOfWorkers sum;
   for (int k = 0; k < workers.size(); ++k) {
+    const std::int64_t part = all[static_cast<std::size_t>(k)];
+    if (part < 0 || part > kMostThings) fail("worker {} of {}: has {} samples", k, workers.size(), part);
     if (k == workers.rank()) sum.before = sum.total;
-    sum.total += all[static_cast<std::size_t>(k)];
+    sum.total += part;
   }
   return sum;
 }

@@ -30,6 +30,7 @@ concept SplitFeatures = requires(const T features, Random& random, const TreeOpt
   { features.draw(random, 0, 1, filled) } -> std::same_as<typename T::Candidate>;
   T::values(filled, candidate, values);
   { T::feature(filled, candidate) } -> std::same_as<typename T::Feature>;
+  { features.can_read(feature) } -> std::same_as<bool>;  // of one that comes from a file or a worker
   { features.value(0U, feature) } -> std::same_as<std::int16_t>;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/random.h"
@@ -43,6 +44,21 @@ struct GrownTree {
 /// determines the tree: a stopped training goes on from the log alone.
 template <class Feature>
 using SplitLog = std::vector<NodeSplit<Feature>>;
+
+/// Throws an Error where a split that comes from a checkpoint or another worker reads what samples have not.
+template <class Features, class Feature>
+void check_splits(const Features& features, std::span<const NodeSplit<Feature>> splits) {
+  for (const NodeSplit<Feature>& split : splits) {
+    if (split.gain > 0.0F && !features.can_read(split.feature))
+      fail("forest training: a split reads what no sample has: the checkpoint or another worker is damaged");
+  }
+}
+
+/// Throws an Error where such a split leaves no sample on one side.
+inline void check_sides(std::int64_t left, std::int64_t right) {
+  if (left > 0 && right > 0) return;
+  fail("forest training: a split parts no samples: the checkpoint or another worker is damaged");
+}
 
 /// Calls `visit` for `count` of the places 0, ..., `all` - 1, drawn without replacement, in their order
 /// (selection sampling, Knuth vol. 2, 3.4.2 S).
@@ -171,6 +187,7 @@ template <SplitFeatures Features, SplitStatistics Statistics>
 auto TreeGrower<Features, Statistics>::grow(std::span<const std::uint32_t> samples, std::uint64_t seed,
                                             Progress& progress, Log& log,
                                             const std::function<void(const Log&)>& nodes_done) -> Tree {
+  check_splits(features_, std::span<const Split>(log));
   Tree tree;
   tree.samples = bag(samples, seed);
   tree.nodes.push_back({.end = static_cast<std::uint32_t>(tree.samples.size())});
@@ -255,16 +272,17 @@ void TreeGrower<Features, Statistics>::add_children(Tree& tree, std::size_t firs
   std::vector<std::uint32_t> middle(splits.size());
   parallel_for(std::ssize(splits), [&](std::int64_t i) {
     const Split& split = splits[static_cast<std::size_t>(i)];
-    if (split.gain <= 0.0F) return;
+    if (!(split.gain > 0.0F)) return;
     GrownNode<Feature>& node = tree.nodes[first_node + static_cast<std::size_t>(i)];
     node.feature = split.feature;
     node.threshold = split.threshold;
     middle[static_cast<std::size_t>(i)] = partition(tree, first_node + static_cast<std::size_t>(i));
   });
   for (std::size_t i = 0; i < splits.size(); ++i) {
-    if (splits[i].gain <= 0.0F) continue;
+    if (!(splits[i].gain > 0.0F)) continue;
     const auto left = static_cast<std::int32_t>(tree.nodes.size());
     GrownNode<Feature>& node = tree.nodes[first_node + i];
+    check_sides(middle[i] - node.begin, node.end - middle[i]);
     node.left = left;
     const GrownNode<Feature> left_child{.begin = node.begin, .end = middle[i]};
     const GrownNode<Feature> right_child{.begin = middle[i], .end = node.end};

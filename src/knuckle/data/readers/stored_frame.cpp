@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/stored_frame.h"
 
-#include <cassert>
 #include <cstring>
 #include <type_traits>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/core/error.h"
 #include "knuckle/core/landmarks.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/frame_sums.h"
 #include "knuckle/data/readers/h5_format.h"
@@ -52,6 +53,19 @@ StoredHand stored_hand(const HandTruth& hand, const Projection& projection) {
       stored.occluders[i] = static_cast<std::uint8_t>(hand.occluders[static_cast<std::size_t>(places[i])]);
   }
   return stored;
+}
+
+/// A log may come from elsewhere.
+void check_head(const Head& head, std::string_view where) {
+  const bool is_model =
+      head.camera.model == CameraModel::projective || head.camera.model == CameraModel::orthographic;
+  if (!is_model || head.hands > static_cast<std::uint64_t>(limits::kHands))
+    fail("{}: the record of the frame is damaged", where);
+  try {
+    check(head.camera);
+  } catch (const Error& error) {
+    fail("{}: the record of the frame is damaged: {}", where, error.what());
+  }
 }
 
 /// Counts with low and high bytes apart, deflated; nothing where there is no image.
@@ -112,24 +126,31 @@ std::vector<std::uint8_t> to_bytes(const StoredFrame& frame) {
   return bytes;
 }
 
-StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes) {
+StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes, std::string_view where) {
+  const auto take = [&](std::uint64_t count) {
+    if (count > bytes.size()) fail("{}: the record of the frame is damaged: it ends too early", where);
+    const auto taken = bytes.first(static_cast<std::size_t>(count));
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    return taken;
+  };
   Head head{};
-  assert(bytes.size() >= sizeof(head));
-  std::memcpy(&head, bytes.data(), sizeof(head));
+  std::memcpy(&head, take(sizeof(head)).data(), sizeof(head));
+  check_head(head, where);
   StoredFrame frame{.camera = head.camera,
                     .side = head.side,
                     .time_s = head.time_s,
                     .sequence = head.sequence,
                     .joints_mm = head.joints_mm,
                     .images_sum = head.images_sum};
-  const std::uint8_t* place = bytes.data() + sizeof(head);
   std::size_t image = 0;
   for (auto* pixels : {&frame.depth, &frame.infrared, &frame.mask, &frame.labels}) {
-    pixels->assign(place, place + head.sizes[image]);
-    place += head.sizes[image++];
+    const auto taken = take(head.sizes[image++]);
+    pixels->assign(taken.begin(), taken.end());
   }
   frame.hands.resize(head.hands);
-  if (head.hands > 0) std::memcpy(frame.hands.data(), place, head.hands * sizeof(StoredHand));
+  const auto hands = take(head.hands * sizeof(StoredHand));
+  if (!hands.empty()) std::memcpy(frame.hands.data(), hands.data(), hands.size());
+  if (!bytes.empty()) fail("{}: the record of the frame is damaged: something follows it", where);
   return frame;
 }
 

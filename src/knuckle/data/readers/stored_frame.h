@@ -51,7 +51,8 @@ void pack(const StoredImages& images, StoredFrame& frame);
 
 /// As one piece, for a FrameLog of this program.
 std::vector<std::uint8_t> to_bytes(const StoredFrame& frame);
-/// The frame from the bytes that `to_bytes` made.
-StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes);
+/// The frame from the bytes that `to_bytes` made. Throws an Error that starts with `where` where they are
+/// others: a log may come from elsewhere.
+StoredFrame stored_frame_from(std::span<const std::uint8_t> bytes, std::string_view where);
 
 }  // namespace knuckle

@@ -43,10 +43,15 @@ H5Writer::H5Writer(fs::path path, const FrameWriterOptions& options)
 void H5Writer::restore() {
   const std::vector<std::int64_t> indices = log_.indices();
   if (indices.empty()) return;
-  const StoredFrame frame = stored_frame_from(log_.read(indices.front()));
+  const StoredFrame frame = logged(indices.front());
   ledger_.restore({frame.camera, !frame.infrared.empty(), !frame.mask.empty(), !frame.labels.empty(),
                    !std::isnan(frame.time_s)},
                   indices);
+}
+
+/// The frame as it stands in the log.
+StoredFrame H5Writer::logged(std::int64_t index) const {
+  return stored_frame_from(log_.read(index), fmt::format("{}.partial: frame {}", path_.string(), index));
 }
 
 /// Of the frames of the set.
@@ -69,7 +74,7 @@ H5Facts H5Writer::facts() const {
   facts.manifest = options_.manifest;
   facts.generator = options_.generator;
   facts.depth_unit_mm = options_.depth_unit_mm;
-  facts.camera = stored_frame_from(log_.read(options_.first)).camera;
+  facts.camera = logged(options_.first).camera;
   facts.has_infrared = layout.has_infrared;
   facts.has_mask = layout.has_mask;
   facts.has_labels = layout.has_labels;
@@ -82,7 +87,7 @@ void H5Writer::finish() {
   for (std::int64_t i = 0; i < count(); ++i) {
     if (!has(options_.first + i)) fail("{}: frame {} was not written", path_.string(), options_.first + i);
   }
-  assemble_h5(path_, facts(), [&](std::int64_t index) { return stored_frame_from(log_.read(index)); });
+  assemble_h5(path_, facts(), [&](std::int64_t index) { return logged(index); });
   log_.remove();
 }
 

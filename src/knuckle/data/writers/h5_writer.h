@@ -29,6 +29,7 @@ class H5Writer final : public FrameWriter {
 
  private:
   void restore();
+  StoredFrame logged(std::int64_t index) const;
   std::int64_t count() const;
   H5Facts facts() const;
 
