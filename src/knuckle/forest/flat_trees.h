@@ -144,9 +144,6 @@ void link_nodes(FlatTrees<Feature>& trees, const std::vector<std::uint8_t>& is_l
 
 }  // namespace detail
 
-/// Nodes of a forest at most: indices are 32-bit, and `next` has a sign.
-inline constexpr std::int64_t kMostNodes = std::int64_t{1} << 28;
-
 /// Adds the trees to a file, or reads them back (unchecked: check_trees does that). Trees are breadth-first,
 /// so the children of the k-th inner node of a tree are its nodes 2k + 1 and 2k + 2: a flag a node (leaf or
 /// not) holds the whole structure, and compresses well.
@@ -166,9 +163,9 @@ FlatTrees<Feature> read_trees(const ModelFile& file) {
   FlatTrees<Feature> trees;
   trees.roots = file.read<std::uint32_t>("tree_root").values;
   const std::vector<std::uint8_t> is_leaf = file.read<std::uint8_t>("node_is_leaf").values;
-  if (std::ssize(trees.roots) > limits::kTrees || std::ssize(is_leaf) > kMostNodes) {
+  if (std::ssize(trees.roots) > limits::kTrees || std::ssize(is_leaf) > limits::kForestNodes) {
     fail("{}: a forest of {} trees and {} nodes, expected at most {} and {}", file.origin(),
-         trees.roots.size(), is_leaf.size(), limits::kTrees, kMostNodes);
+         trees.roots.size(), is_leaf.size(), limits::kTrees, limits::kForestNodes);
   }
   trees.nodes.resize(is_leaf.size());
   detail::read_splits<Feature>(file, trees.nodes);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/forest/leaf_coding.h"
 #include "knuckle/forest/regression_forest.h"
 
@@ -21,7 +22,6 @@ LeafTable::Codes read_codes(const ModelFile& file, std::size_t columns) {
   return file.read<Code>("leaf_value").values;
 }
 
-constexpr int kMostFeatures = 1 << 16;  // nodes name them with 16 bits
 constexpr std::string_view kComponents = "leaf_component";
 constexpr int kCodedLeafBits = 8;
 
@@ -94,7 +94,7 @@ void write_forest(ModelWriter& file, const RegressionForest& forest,
 
 RegressionForest read_forest(const ModelFile& file) {
   RegressionForest::Parts parts;
-  parts.feature_count = file.integer("feature_count", 1, kMostFeatures);
+  parts.feature_count = file.integer("feature_count", 1, limits::kForestFeatures);
   parts.quantizer.step = static_cast<float>(file.number("feature_step"));
   parts.trees = read_trees<PixelPair>(file);
   parts.leaves = read_leaves(file);

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 
 namespace knuckle {
 namespace {
@@ -73,6 +74,8 @@ void check_sections(const Body& body, std::string_view what) {
 
 void check_bones(const Body& body, std::string_view what) {
   if (body.names.empty()) fail("{}: the body has no bones", what);
+  if (body.names.size() > static_cast<std::size_t>(limits::kBones))
+    fail("{}: the body has {} bones, expected at most {}", what, body.names.size(), limits::kBones);
   check_size(what, "parents", body.parents.size(), body.names.size());
   std::unordered_set<std::string_view> seen;
   for (std::size_t i = 0; i < body.names.size(); ++i) {

@@ -55,6 +55,8 @@ TEST(BodyTest, MessagesNameTheFileAndTheFault) {
   EXPECT_THAT(error_after([](Body& body) { body.weights.pop_back(); }), HasSubstr("weights has"));
   EXPECT_THAT(error_after([](Body& body) { body.weight_bones[5][1] = 999; }), HasSubstr("bone 999"));
   EXPECT_THAT(error_after([](Body& body) { body.faces[0][2] = -1; }), HasSubstr("face 0 names vertex -1"));
+  EXPECT_THAT(error_after([](Body& body) { body.names.resize(4097, "another"); }),
+              HasSubstr("a.model: the body has 4097 bones, expected at most 4096"));
   EXPECT_THAT(error_after([](Body& body) { body.is_hand.pop_back(); }), HasSubstr("is_hand"));
   EXPECT_THAT(error_after([](Body& body) { body.is_hand[0] = 2; }), HasSubstr("is_hand of face 0 is 2"));
   EXPECT_THAT(error_after([](Body& body) { body.shapedirs[0].vertices[0] = 1 << 20; }),

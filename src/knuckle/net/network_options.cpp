@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "knuckle/core/limits.h"
 #include "knuckle/core/own_convention.h"
 #include "knuckle/net/network_architectures.h"
 
@@ -14,7 +15,7 @@ constexpr std::array<std::string_view, 2> kPeaks = {"gaussian", "mean_shift"};
 /// Throws where one patch's features would take more memory than a machine has to spare for each of its
 /// cores: a small file could ask for that.
 void check_memory(const NetworkOptions& options, std::string_view what) {
-  constexpr double kMostFeatures = 1 << 26;  // a quarter of a gigabyte
+  constexpr auto kMostFeatures = static_cast<double>(limits::kPatchFeatures);  // a quarter of a gigabyte
   const double pixels = static_cast<double>(options.patch.size_px) * options.patch.size_px;
   const DenseNetworkOptions& dense = options.dense;
   const PaperNetworkOptions& paper = options.paper;

@@ -35,12 +35,11 @@ std::uint64_t pixel_bytes(const PipedDescription& description) {
 
 bool is_possible(const PipedDescription& description) {
   const auto is_side = [](std::uint32_t side) { return side >= 1 && side <= limits::kImageSide; };
-  constexpr double kHighestUnitMm = 1000.0;
   constexpr double kHighestRate = 10000.0;
   return is_side(description.width) && is_side(description.height) &&
-         pixel_bytes(description) + sizeof(PipedFrame) <= kMostMessageBytes && description.frames >= -1 &&
-         description.frames <= limits::kFrames && description.unit_mm > 0.0 &&
-         is_between(description.unit_mm, 0.0, kHighestUnitMm) &&
+         pixel_bytes(description) + sizeof(PipedFrame) <= limits::kCameraMessageBytes &&
+         description.frames >= -1 && description.frames <= limits::kFrames && description.unit_mm > 0.0 &&
+         is_between(description.unit_mm, 0.0, limits::kDepthUnitMm) &&
          is_between(description.rate_hz, 0.0, kHighestRate) &&
          is_between(description.horizontal_fov_rad, 0.0, std::numbers::pi) &&
          is_between(description.vertical_fov_rad, 0.0, std::numbers::pi) &&
@@ -79,7 +78,7 @@ bool put_text(int descriptor, CameraMessage kind, std::string_view text) {
 void check(const CameraMessageHead& head, std::string_view where) {
   const bool is_known = head.kind >= static_cast<std::uint32_t>(CameraMessage::description) &&
                         head.kind <= static_cast<std::uint32_t>(CameraMessage::end);
-  if (head.magic != kCameraMessageMagic || !is_known || head.bytes > kMostMessageBytes) {
+  if (head.magic != kCameraMessageMagic || !is_known || head.bytes > limits::kCameraMessageBytes) {
     fail("{}: the process that reads it sent something that is no message", where);
   }
 }

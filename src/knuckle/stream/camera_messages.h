@@ -31,8 +31,6 @@ struct CameraMessageHead {
 
 /// "KNMC", what each message begins with.
 inline constexpr std::uint32_t kCameraMessageMagic = 0x434D4E4B;
-/// Of a message, without its head.
-inline constexpr std::uint64_t kMostMessageBytes = std::uint64_t{64} << 20;
 /// Of a text in a message [bytes].
 inline constexpr std::size_t kMostMessageText = 1024;
 

@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "knuckle/core/limits.h"
 #include "knuckle/core/testing.h"
 
 namespace knuckle {
@@ -90,7 +91,7 @@ TEST(CameraMessages, AHeadThatIsNoneIsRefused) {
   for (const CameraMessageHead& head :
        {CameraMessageHead{1, 2, 100}, CameraMessageHead{kCameraMessageMagic, 0, 100},
         CameraMessageHead{kCameraMessageMagic, 6, 100},
-        CameraMessageHead{kCameraMessageMagic, 2, kMostMessageBytes + 1}}) {
+        CameraMessageHead{kCameraMessageMagic, 2, limits::kCameraMessageBytes + 1}}) {
     EXPECT_THAT(error_of([&] { check(head, "a.oni"); }), HasSubstr("is no message"));
   }
 }

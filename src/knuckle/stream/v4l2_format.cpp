@@ -35,13 +35,12 @@ Image<std::uint16_t> little_endian_image(std::span<const std::uint8_t> bytes, co
 
 void V4l2Options::visit(OptionVisitor& visitor) {
   constexpr double kHighestRate = 1000.0;
-  constexpr double kHighestUnitMm = 1000.0;
   constexpr double kDay = 86400.0;
   visitor.choice("format", format, kV4l2FormatNames);
   visitor.integer("width", width, closed(0, limits::kImageSide));
   visitor.integer("height", height, closed(0, limits::kImageSide));
   visitor.real("rate", rate_hz, closed(0, kHighestRate));
-  visitor.real("depth_unit_mm", depth_unit_mm, closed(0, kHighestUnitMm));
+  visitor.real("depth_unit_mm", depth_unit_mm, closed(0, limits::kDepthUnitMm));
   visitor.real("timeout_s", timeout_s, closed(0.1, 3600));
   visitor.real("wait_s", wait_s, closed(0, kDay));
   intrinsics.visit(visitor);

@@ -89,7 +89,7 @@ void CameraOptions::visit(OptionVisitor& visitor) {
 
 void FolderOptions::visit(OptionVisitor& visitor) {
   visitor.text("convention", convention);
-  visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, 1000));
+  visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, limits::kDepthUnitMm));
   visitor.choice("pixel_origin", pixel_origin, kOrigins);
   visitor.choice("side", side, kHands);
   visitor.real("rate_hz", rate_hz, open_closed(0, 10000));

@@ -6,14 +6,13 @@
 #include <iterator>
 #include <utility>
 
+#include "knuckle/core/limits.h"
 #include "knuckle/core/text.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/folder_format.h"
 
 namespace knuckle {
 namespace {
-
-constexpr double kHighestUnitMm = 1000.0;
 
 /// What the images of a topic are like.
 struct ImageKind {
@@ -102,7 +101,7 @@ double time_of(const RosRecording& recording, const RecordedMessage& message, st
 double unit_of(const RosRecording& recording, const std::string& topic, double chosen) {
   if (chosen > 0.0) return chosen;
   const double unit_mm = recording.unit_mm(topic).value_or(1.0);
-  if (!(unit_mm > 0.0 && unit_mm <= kHighestUnitMm)) {
+  if (!(unit_mm > 0.0 && unit_mm <= limits::kDepthUnitMm)) {
     fail("{}: says {} m per count, expected a number from 0 to 1; give it by ?depth_unit_mm=",
          recording.place(topic), unit_mm / 1000);
   }
@@ -119,7 +118,7 @@ void RosOptions::visit(OptionVisitor& visitor) {
   visitor.text("topic", topic);
   visitor.text("infrared", infrared);
   visitor.text("camera", camera);
-  visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, kHighestUnitMm));
+  visitor.real("depth_unit_mm", depth_unit_mm, open_closed(0, limits::kDepthUnitMm));
 }
 
 RosSource::RosSource(std::unique_ptr<const RosRecording> recording, const RosOptions& options)

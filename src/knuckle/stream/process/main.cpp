@@ -53,7 +53,7 @@ int take_output() {
 /// A damaged file may ask for anything. (The sanitizers take most of a machine's addresses for themselves.)
 void limit_what_a_file_can_do() {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  constexpr rlim_t kMostMemory = rlim_t{4} << 30;
+  constexpr rlim_t kMostMemory = rlim_t{900} << 20;  // recordings of 640 x 480 take less than 400 MB
   const rlimit memory{kMostMemory, kMostMemory};
   ::setrlimit(RLIMIT_AS, &memory);
 #endif
