@@ -63,11 +63,62 @@ TEST(RegularFile, OneThatCannotBeReadIsNamed) {
               HasSubstr("/proc/self/mem: cannot read: "));
 }
 
+TEST(TextFile, ShowsItsLinesWithTheirNumbers) {
+  const TemporaryFolder folder;
+  // Lines of all lengths, so that blocks end anywhere in them.
+  std::string text;
+  std::vector<std::string> expected;
+  for (std::size_t i = 0; i < 3000; ++i) {
+    expected.emplace_back(i % 397, static_cast<char>('a' + i % 26));
+    text += expected.back() + (i % 3 == 0 ? "\r\n" : "\n");
+  }
+  expected.emplace_back("no end");
+  std::ofstream(folder / "a") << text << "no end";
+  std::vector<std::string> found;
+  visit_lines(folder / "a", [&](const FileLine& line) {
+    found.emplace_back(line.text);
+    EXPECT_EQ(line.number, found.size());
+  });
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(read_lines(folder / "a"), expected);
+}
+
+TEST(TextFile, ShowsLinesThatSaySomething) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "# head\n\n  one\n \t\n #no\ntwo\n\n";
+  std::vector<std::string> found;
+  visit_content_lines(folder / "a", [&](const FileLine& line) {
+    found.push_back(line.where().substr(line.where().rfind('/')) + std::string(line.text));
+  });
+  EXPECT_THAT(found, ::testing::ElementsAre("/a:3  one", "/a:6two"));
+  std::ofstream(folder / "empty");
+  visit_lines(folder / "empty", [](const FileLine&) { FAIL(); });
+}
+
+TEST(TextFile, IsReadAsFarAsItIsLookedAt) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "one\ntwo\n" << std::string(std::size_t{2} << 20, '1');
+  EXPECT_THAT(
+      error_of([&] { visit_lines(folder / "a", [](const FileLine& line) { fail("{}", line.text); }); }),
+      ::testing::StrEq("one"));
+}
+
 TEST(TextFile, WithALineTooLongIsRefused) {
   const TemporaryFolder folder;
   std::ofstream(folder / "a") << "one\n"
                               << std::string(static_cast<std::size_t>(limits::kLineLength) + 1, '1');
-  EXPECT_THAT(error_of([&] { read_lines(folder / "a"); }), HasSubstr("a:2: the line has 1048577 characters"));
+  EXPECT_THAT(error_of([&] { read_lines(folder / "a"); }),
+              HasSubstr("a:2: the line has 1048577 characters, expected at most 1048576"));
+  for (const std::size_t length : {1048577, 1048700, 3000000}) {
+    std::ofstream(folder / "b") << "one\n" << std::string(length, '1') << "\nthree\n";
+    EXPECT_THAT(error_of([&] { read_lines(folder / "b"); }),
+                HasSubstr(fmt::format("b:2: the line has {} characters", length)));
+  }
+  std::ofstream(folder / "b") << std::string(static_cast<std::size_t>(limits::kLineLength), '1') << "\n2";
+  EXPECT_EQ(read_lines(folder / "b").size(), 2);
+  std::filesystem::resize_file(folder / "b", static_cast<std::uintmax_t>(limits::kTextFileBytes) + 1);
+  EXPECT_THAT(error_of([&] { read_lines(folder / "b"); }),
+              HasSubstr("b: the file has 4294967297 bytes, expected at most 4294967296"));
 }
 
 }  // namespace

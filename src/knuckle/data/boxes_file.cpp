@@ -43,13 +43,20 @@ Box box_in(std::string_view line, std::size_t frame, std::string_view where) {
 }  // namespace
 
 std::vector<Box> read_boxes_file(const std::filesystem::path& path) {
-  const std::vector<ContentLine> lines = read_content_lines(path);
-  if (lines.empty() || trimmed(lines[0].text) != kHeader) {
-    fail("{}: no boxes, expected a first line {}", path.string(), kHeader);
-  }
   std::vector<Box> boxes;
-  for (std::size_t i = 1; i < lines.size(); ++i)
-    boxes.push_back(box_in(lines[i].text, boxes.size(), lines[i].where));
+  bool has_header = false;
+  const auto require_header = [&](bool is_there) {
+    if (!is_there) fail("{}: no boxes, expected a first line {}", path.string(), kHeader);
+  };
+  visit_content_lines(path, [&](const FileLine& line) {
+    if (has_header) {
+      boxes.push_back(box_in(line.text, boxes.size(), line.where()));
+    } else {
+      require_header(trimmed(line.text) == kHeader);
+    }
+    has_header = true;
+  });
+  require_header(has_header);
   return boxes;
 }
 

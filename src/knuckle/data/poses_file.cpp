@@ -22,10 +22,6 @@ double origin_offset(PixelOrigin origin) {
   return origin == PixelOrigin::corner ? 0.5 : 0.0;
 }
 
-std::string place(const std::filesystem::path& path, std::size_t line_index) {
-  return fmt::format("{}:{}", path.string(), line_index + 1);
-}
-
 bool is_comment(std::string_view line) {
   return line.starts_with('#');
 }
@@ -76,26 +72,30 @@ void append_joint(fmt::memory_buffer& text, const ImagePoint& joint, double offs
 
 PoseNumbers read_pose_numbers(const std::filesystem::path& path, const std::optional<Convention>& convention,
                               const PoseCoordinates& coordinates) {
-  std::vector<std::string> lines = read_lines(path);
-  while (!lines.empty() && trimmed(lines.back()).empty()) lines.pop_back();
-  if (!lines.empty() && lines.front().starts_with(kByteOrderMark))
-    lines.front().erase(0, kByteOrderMark.size());
-
   PosesHead head{convention, coordinates};
   PoseNumbers numbers{path.string(), {}, {}, {}};
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string where = place(path, i);
-    if (is_comment(lines[i])) {
-      if (head.take(lines[i], where) && !numbers.values.empty())
+  const auto add = [&](std::string_view line, const std::string& where) {
+    if (is_comment(line)) {
+      if (head.take(line, where) && !numbers.values.empty())
         fail("{}: what the poses are must stand before the first one", where);
-      continue;
+      return;
     }
     if (!head.convention)
-      fail("{}: expected '# convention: NAME', or the convention as an option", place(path, 0));
-    const std::vector<double> values =
-        parse_annotation(lines[i], 3 * head.convention->landmarks.size(), where);
+      fail("{}:1: expected '# convention: NAME', or the convention as an option", path.string());
+    const std::vector<double> values = parse_annotation(line, 3 * head.convention->landmarks.size(), where);
     numbers.values.insert(numbers.values.end(), values.begin(), values.end());
-  }
+  };
+  std::string blank;  // where the first of blank lines is, which only the file's end may follow
+  visit_lines(path, [&](const FileLine& line) {
+    std::string_view text = line.text;
+    if (line.number == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+    if (trimmed(text).empty()) {
+      if (blank.empty()) blank = line.where();
+      return;
+    }
+    if (!blank.empty()) add("", blank);
+    add(text, line.where());
+  });
   if (numbers.values.empty()) fail("{}: expected a pose a line, found none", path.string());
   numbers.convention = *head.convention;
   numbers.coordinates = head.coordinates;

@@ -194,5 +194,18 @@ TEST_F(PosesFile, FaultsInItsHeadAreNamed) {
               HasSubstr("must stand before the first one"));
 }
 
+TEST_F(PosesFile, IsReadNoFurtherThanToItsFault) {
+  file("# convention: nyu14\n1 2\n" + std::string(std::size_t{2} << 20, '1'));
+  EXPECT_THAT(error_of([&] { read_poses_file(path_, {}, PixelOrigin::centre); }),
+              HasSubstr("poses.txt:2: has 2 numbers, expected 42"));
+}
+
+TEST_F(PosesFile, BlankLinesMayFollowTheLastPoseAlone) {
+  const std::string line = line_of(42) + "\n";
+  EXPECT_EQ(read_poses_file(file(line + line + "\n \n\n"), nyu(), PixelOrigin::centre).poses.size(), 2);
+  EXPECT_THAT(error_of([&] { read_poses_file(file(line + "\n\n" + line), nyu(), PixelOrigin::centre); }),
+              HasSubstr("poses.txt:2: has 0 numbers, expected 42"));
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/fakenect_index.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -69,7 +70,7 @@ void require_name(std::string_view name, std::string_view where) {
   const bool is_name = name.size() > 2 && name[1] == '-' && name.size() <= limits::kNameLength;
   if (!is_name) fail("{}: '{:.40}' is not TYPE-TIME-TICKS.EXTENSION", where, name);
   if (name.find_first_of(std::string_view("/\0", 2)) != std::string_view::npos) {
-    fail("{}: '{}' is not in the folder of the recording", where, name);
+    fail("{}: '{}' is not in the folder of the recording", where, printable(name));
   }
 }
 
@@ -78,11 +79,13 @@ void require_name(std::string_view name, std::string_view where) {
 std::vector<FakenectImage> parse_fakenect_index(std::string_view text, std::string_view where) {
   std::vector<FakenectImage> images;
   KinectClock clock;
-  int number = 0;
-  for (const std::string_view line : split(text, '\n')) {
-    const std::string place = fmt::format("{}:{}", where, ++number);
-    const std::string_view name = trimmed(line);
+  std::size_t begin = 0;
+  for (std::size_t number = 1; begin < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view name = trimmed(text.substr(begin, end - begin));
+    begin = end + 1;
     if (name.empty()) continue;
+    const std::string place = fmt::format("{}:{}", where, number);
     require_name(name, place);
     if (name.front() != 'd') continue;
     const double time_s = clock.time_s(parse_stamp(name, place));

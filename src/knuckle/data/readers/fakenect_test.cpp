@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <functional>
 
+#include <sys/resource.h>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/data_testing.h"
@@ -264,7 +266,9 @@ TEST(PgmImage, NamesTheFault) {
   EXPECT_THAT(fault("P5 0 1 65535\n"), HasSubstr("no width"));
   EXPECT_THAT(fault("P5 -2 1 65535\n"), HasSubstr("no width"));
   EXPECT_THAT(fault("P5 99999999999999999999 1 65535\n"), HasSubstr("width is above 16384"));
-  EXPECT_THAT(fault("P5 16384 16384 65535\nabcd"), HasSubstr("holds 4 bytes of depth, expected 536870912"));
+  EXPECT_THAT(fault("P5 16384 2048 65535\nabcd"), HasSubstr("holds 4 bytes of depth, expected 67108864"));
+  EXPECT_THAT(fault("P5 16384 2049 65535\nabcd"),
+              HasSubstr("16384 x 2049 pixels, expected at most 33554432"));
   EXPECT_THAT(fault("P5 2 1 255\nab"), HasSubstr("8 bits per pixel"));
   EXPECT_THAT(fault("P5 2 1 65535"), HasSubstr("cut short"));
   EXPECT_THAT(fault("P5 2 1 65535\nabcde"), HasSubstr("holds 5 bytes"));
@@ -351,6 +355,18 @@ TEST_F(Fakenect, ReadsWhatFakenectRecordWrites) {
     EXPECT_EQ(recorded.read(i).depth_mm, played.read(i).depth_mm) << i;
     EXPECT_EQ(recorded.read(i).time_s, played.read(i).time_s) << i;
   }
+}
+
+TEST(FakenectIndex, OfBlankLinesTakesNoMemory) {
+  const auto peak_kilobytes = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const std::string lines(20'000'000, '\n');
+  const long before = peak_kilobytes();
+  EXPECT_THAT(error_of([&] { parse_fakenect_index(lines, "INDEX.txt"); }), HasSubstr("lists no depth image"));
+  EXPECT_LT(peak_kilobytes() - before, 100'000);
 }
 
 }  // namespace

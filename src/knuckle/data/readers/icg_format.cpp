@@ -7,8 +7,9 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/text.h"
-#include "knuckle/core/text_file.h"
 
 namespace fs = std::filesystem;
 
@@ -60,7 +61,8 @@ fs::path find_icg_calibration(const fs::path& folder) {
 Camera read_icg_calibration(const fs::path& path) {
   constexpr std::size_t kIntrinsics = 4;
   Camera camera;
-  const std::vector<double> numbers = parse_numbers(read_text_file(path), path.string());
+  const std::vector<double> numbers =
+      parse_numbers(read_regular_file(path, limits::kDocumentBytes), path.string());
   if (numbers.size() < kIntrinsics || numbers.size() > kIntrinsics + camera.distortion.size()) {
     fail("{}: has {} numbers, expected fx fy cx cy and up to {} of distortion", path.string(), numbers.size(),
          camera.distortion.size());

@@ -20,18 +20,18 @@ constexpr std::string_view kSequencesName = "sequences.txt";
 /// The first frame of each sequence.
 std::vector<std::int64_t> read_sequences_file(const fs::path& path, std::int64_t count) {
   std::vector<std::int64_t> starts;
-  for (const ContentLine& line : read_content_lines(path)) {
-    const std::int64_t start = parse_integer(line.text, line.where);
+  visit_content_lines(path, [&](const FileLine& line) {
+    const std::int64_t start = parse_integer(line.text, line.where());
     if (starts.empty() && start != 0) {
-      fail("{}: the first sequence starts at frame {}, expected 0", line.where, start);
+      fail("{}: the first sequence starts at frame {}, expected 0", line.where(), start);
     }
     if (!starts.empty() && start <= starts.back()) {
-      fail("{}: frame {} is not after {}, where the sequence before starts", line.where, start,
+      fail("{}: frame {} is not after {}, where the sequence before starts", line.where(), start,
            starts.back());
     }
-    if (start >= count) fail("{}: there is no frame {}: the set has {}", line.where, start, count);
+    if (start >= count) fail("{}: there is no frame {}: the set has {}", line.where(), start, count);
     starts.push_back(start);
-  }
+  });
   if (starts.empty()) fail("{}: is empty, expected the first frame of each sequence", path.string());
   return starts;
 }
@@ -45,14 +45,18 @@ std::vector<int> sequence_of_each_frame(const std::vector<std::int64_t>& starts,
   return sequences;
 }
 
-/// Sets the times and checks them.
+/// Sets the times and checks them. Lines beyond `count` are counted alone.
 void read_times_file(const fs::path& path, std::int64_t count, Timeline& timeline) {
-  const std::vector<ContentLine> lines = read_content_lines(path);
-  if (static_cast<std::int64_t>(lines.size()) != count)
-    fail("{}: has {} times, but there are {} depth images", path.string(), lines.size(), count);
-  for (const ContentLine& line : lines) timeline.times_s.push_back(parse_number(line.text, line.where));
+  std::int64_t found = 0;
+  std::vector<std::size_t> numbers;  // of the lines
+  visit_content_lines(path, [&](const FileLine& line) {
+    if (++found > count) return;
+    numbers.push_back(line.number);
+    timeline.times_s.push_back(parse_number(line.text, line.where()));
+  });
+  if (found != count) fail("{}: has {} times, but there are {} depth images", path.string(), found, count);
   if (const auto fault = fault_of(timeline))
-    fail("{}: {}", lines[static_cast<std::size_t>(fault->frame)].where, fault->message);
+    fail("{}:{}: {}", path.string(), numbers[static_cast<std::size_t>(fault->frame)], fault->message);
 }
 
 void add_regular_times(double rate_hz, std::int64_t count, Timeline& timeline) {

@@ -70,6 +70,16 @@ TEST_F(TimelineTest, RefusesTimesThatAreNone) {
   EXPECT_THAT(fault(2), HasSubstr("times.txt:2: expected a number"));
 }
 
+TEST_F(TimelineTest, ALongFileIsReadNoFurtherThanToItsFault) {
+  put_file(sequences, "0\n0\n" + std::string(std::size_t{2} << 20, '1'));
+  EXPECT_THAT(fault(2), HasSubstr("sequences.txt:2: frame 0 is not after 0"));
+}
+
+TEST_F(TimelineTest, TimesBeyondTheLastImageAreCountedAlone) {
+  put_file(times, "0\n1\nsoon\n\n3\n");
+  EXPECT_THAT(fault(2), HasSubstr("times.txt: has 4 times, but there are 2 depth images"));
+}
+
 TEST_F(TimelineTest, RefusesTooFewAndTooManyTimes) {
   put_file(times, "0\n1\n");
   EXPECT_THAT(fault(3), HasSubstr("times.txt: has 2 times, but there are 3 depth images"));
