@@ -20,7 +20,7 @@ constexpr const char* kDoc = R"(Intrinsics of a depth camera; cannot be changed 
 
 fx, fy: focal lengths [px] (orthographic: [px/mm]), not 0; fy is negative where y points up.
 cx, cy: principal point [px]; the centre of the first pixel is (0, 0).
-width, height: of the image [px], 1 to 16384.
+width, height: of the image [px], 1 to 16384, 2**25 pixels in all.
 distortion: up to 8 coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6.
 model: "projective" or "orthographic".
 

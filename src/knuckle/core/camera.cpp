@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/image_size.h"
 #include "knuckle/core/limits.h"
 
 namespace knuckle {
@@ -20,6 +21,7 @@ void check(const Camera& camera) {
     fail("camera: {} x {} pixels, expected at most {} a side", camera.width, camera.height,
          limits::kImageSide);
   }
+  require_image_size({camera.width, camera.height}, "camera");
   if (!std::isfinite(camera.fx) || camera.fx == 0.0)
     fail("camera: fx is {}, expected a number but 0", camera.fx);
   if (!std::isfinite(camera.fy) || camera.fy == 0.0)

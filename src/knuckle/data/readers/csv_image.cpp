@@ -10,27 +10,13 @@
 #include <fmt/ranges.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/limits.h"
+#include "knuckle/core/image_size.h"
 #include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
 namespace {
-
-/// An image for that many numbers a line; before it takes much memory, each line has to be long enough for
-/// them.
-Image<float> image_for(std::size_t columns, const std::vector<std::string>& lines, const std::string& where) {
-  if (columns > static_cast<std::size_t>(limits::kImageSide)) {
-    fail("{}: has {} values, expected at most {}", where, columns, limits::kImageSide);
-  }
-  constexpr std::size_t kFew = 1 << 20;
-  const auto shortest = std::ranges::min_element(lines, {}, &std::string::size);
-  if (columns * lines.size() > kFew && columns > shortest->size() / 2 + 1) {
-    fail("{}: has {} values, line {} is too short for as many", where, columns, shortest - lines.begin() + 1);
-  }
-  return {static_cast<int>(columns), static_cast<int>(lines.size())};
-}
 
 float checked_float(double number, const std::string& where) {
   if (std::abs(number) > static_cast<double>(std::numeric_limits<float>::max()) && !std::isinf(number)) {
@@ -39,25 +25,40 @@ float checked_float(double number, const std::string& where) {
   return static_cast<float>(number);
 }
 
+/// The rows so far. Memory grows with the values that were read, not with what the first row promises.
+struct CsvRows {
+  std::size_t columns = 0;
+  std::size_t count = 0;
+  std::vector<float> values;
+
+  void add(std::string_view line, const std::string& where) {
+    const std::vector<double> numbers = parse_numbers(line, where, ",");
+    if (count == 0) columns = numbers.size();
+    if (numbers.empty() || numbers.size() != columns) {
+      fail("{}: has {} values, expected {}", where, numbers.size(), std::max<std::size_t>(columns, 1));
+    }
+    ++count;
+    require_image_size({static_cast<std::int64_t>(columns), static_cast<std::int64_t>(count)}, where);
+    for (const double number : numbers) values.push_back(checked_float(number, where));
+  }
+};
+
 }  // namespace
 
 Image<float> read_csv_image(const std::filesystem::path& path) {
-  std::vector<std::string> lines = read_lines(path);
-  while (!lines.empty() && trimmed(lines.back()).empty()) lines.pop_back();
-  if (lines.empty()) fail("{}: is empty", path.string());
-  if (std::ssize(lines) > limits::kImageSide) {
-    fail("{}: has {} rows, expected at most {}", path.string(), lines.size(), limits::kImageSide);
-  }
-  Image<float> image;
-  for (std::size_t row = 0; row < lines.size(); ++row) {
-    const std::string where = fmt::format("{}:{}", path.string(), row + 1);
-    const std::vector<double> numbers = parse_numbers(lines[row], where, ",");
-    if (row == 0) image = image_for(numbers.size(), lines, where);
-    if (numbers.empty() || static_cast<int>(numbers.size()) != image.width())
-      fail("{}: has {} values, expected {}", where, numbers.size(), std::max(image.width(), 1));
-    std::ranges::transform(numbers, image.row(static_cast<int>(row)).begin(),
-                           [&](double number) { return checked_float(number, where); });
-  }
+  CsvRows rows;
+  std::string blank;  // where the first of blank lines is, which only the file's end may follow
+  visit_lines(path, [&](const FileLine& line) {
+    if (trimmed(line.text).empty()) {
+      if (blank.empty()) blank = line.where();
+      return;
+    }
+    if (!blank.empty()) rows.add("", blank);
+    rows.add(line.text, line.where());
+  });
+  if (rows.count == 0) fail("{}: is empty", path.string());
+  Image<float> image(static_cast<int>(rows.columns), static_cast<int>(rows.count));
+  std::ranges::copy(rows.values, image.data());
   return image;
 }
 

@@ -37,9 +37,6 @@ double suitable_depth_unit_mm(const Image<float>& depth_mm);
 /// The same as `counts_from_depth`, but what exceeds 16 bits becomes 0, no measurement.
 Image<std::uint16_t> near_counts_from_depth(const Image<float>& depth_mm, double unit_mm);
 
-/// Reads a PNG of one channel with 8 or 16 bits; see read_png16.
-Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path);
-
 /// 1 where a pixel is not 0.
 Image<std::uint8_t> mask_from_pixels(Image<std::uint8_t> pixels);
 

@@ -60,7 +60,12 @@ struct ImageLayout {
   std::int64_t height = 0;
   std::int64_t tile_width = 0;  ///< 0: not in tiles
   std::int64_t tile_height = 0;
+  std::int64_t channels = 0;
+  std::int64_t block_rows = 256;  ///< rows that are unpacked together, by the compression
 };
+
+/// By the number of a compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+constexpr std::array<std::int64_t, 10> kBlockRows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 
 class ExrHeaderCheck {
  public:
@@ -92,10 +97,14 @@ class ExrHeaderCheck {
     const TypeSize* const known = row_named(kTypeSizes, type);
     if (known != nullptr && size != known->bytes) damaged("'" + name + "' is of another size than its type");
     if (type == "floatvector" && size % 4 != 0) damaged("'" + name + "' is of another size than its type");
-    if (type == "chlist") check_channels(begin + size);
+    if (type == "chlist") layout.channels = count_channels(begin + size);
     if (type == "preview") check_preview(size);
     if (type == "stringvector") check_texts(begin + size);
     if (type == "idmanifest") fail("{}: holds an ID manifest; expected an image of depth", path_.string());
+    if (name == "compression" && type == "compression") {
+      const auto number = static_cast<std::size_t>(file_.get());
+      if (number < kBlockRows.size()) layout.block_rows = kBlockRows[number];
+    }
     if (name == "dataWindow" && type == "box2i") read_window(layout);
     if (name == "tiles" && type == "tiledesc") {
       layout.tile_width = number();
@@ -111,13 +120,16 @@ class ExrHeaderCheck {
   }
 
   /// Channels have a name and 16 bytes each; an empty name ends them.
-  void check_channels(std::int64_t end) {
+  std::int64_t count_channels(std::int64_t end) {
     constexpr std::int64_t kChannelBytes = 16;
+    std::int64_t count = 0;
     while (!text().empty()) {
       if (kChannelBytes > end - file_.tellg()) damaged("its list of channels is longer than it says");
       file_.seekg(kChannelBytes, std::ios::cur);
+      ++count;
     }
     if (file_.tellg() != end) damaged("its list of channels is of another length than it says");
+    return count;
   }
 
   void check_texts(std::int64_t end) {
@@ -135,10 +147,14 @@ class ExrHeaderCheck {
     layout.height = sides[3] - sides[1] + 1;
   }
 
-  /// Where tiles lie stands in the file, eight bytes each; a row of tiles is held in memory.
+  /// Rows of all channels are unpacked together, some at a time. Where tiles lie stands in the file, eight
+  /// bytes each; a row of tiles is held in memory.
   void check_layout(const ImageLayout& layout) const {
     const auto is_side = [](std::int64_t side) { return side > 0 && side <= limits::kImageSide; };
     if (!is_side(layout.width) || !is_side(layout.height)) return;  // which is refused with its numbers
+    constexpr std::int64_t kValueBytes = 4;
+    if (layout.channels > limits::kChunkBytes / (kValueBytes * layout.width * layout.block_rows))
+      damaged("it has too many channels to be unpacked");
     if (layout.tile_width <= 0 || layout.tile_height <= 0) return;
     const std::int64_t columns = (layout.width + layout.tile_width - 1) / layout.tile_width;
     const std::int64_t rows = (layout.height + layout.tile_height - 1) / layout.tile_height;

@@ -11,6 +11,7 @@
 #include <ImfOutputFile.h>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/image_size.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
 #include "knuckle/data/readers/exr_header.h"
@@ -60,9 +61,7 @@ Image<float> read_channel(const std::string& name) {
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1 || width > limits::kImageSide || height > limits::kImageSide) {
-    fail("{}: has {} x {} pixels, expected 1 to {} a side", name, width, height, limits::kImageSide);
-  }
+  require_image_size({width, height}, name);
   require_room(name, width * height);
   const std::string channel = depth_channel(file.header().channels(), name);
   Image<float> image(static_cast<int>(width), static_cast<int>(height));

@@ -54,23 +54,13 @@ FrameLabel FolderSource::read_label(std::int64_t index) const {
 
 Frame FolderSource::read(std::int64_t index) const {
   const std::string& name = names_.at(static_cast<std::size_t>(index));
-  const auto checked = [&](auto image, const fs::path& path) {
-    require_size(image, description_.camera.width, description_.camera.height, path);
-    return image;
-  };
+  const ImageSize size{description_.camera.width, description_.camera.height};
   Frame frame;
   frame.name = without_extension(name);
   frame.camera = description_.camera;
-  const fs::path depth = folder_ / "depth" / name;
-  frame.depth_mm = depth_from_counts(checked(read_png16(depth), depth), description_.depth_unit_mm);
-  if (has_infrared_) {
-    const fs::path infrared = folder_ / "infrared" / name;
-    frame.infrared = checked(read_png8_or_16(infrared), infrared);
-  }
-  if (has_mask_) {
-    const fs::path mask = folder_ / "mask" / name;
-    frame.mask = mask_from_pixels(checked(read_png8(mask), mask));
-  }
+  frame.depth_mm = depth_from_counts(read_png16(folder_ / "depth" / name, size), description_.depth_unit_mm);
+  if (has_infrared_) frame.infrared = read_png8_or_16(folder_ / "infrared" / name, size);
+  if (has_mask_) frame.mask = mask_from_pixels(read_png8(folder_ / "mask" / name, size));
   frame.truth = read_truth(index);
   frame.side = description_.hand_side();
   frame.time_s = timeline_.time_s(index);

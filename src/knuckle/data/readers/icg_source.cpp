@@ -8,8 +8,9 @@
 #include <set>
 #include <utility>
 
+#include "knuckle/core/limits.h"
+#include "knuckle/core/regular_file.h"
 #include "knuckle/core/text.h"
-#include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/csv_image.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/exr_image.h"
@@ -128,8 +129,7 @@ void IcgSource::add_infrared(Frame& frame) const {
 void IcgSource::add_mask(Frame& frame, std::string_view number) const {
   const fs::path path = folder_ / fmt::format("{}_rgb{}.png", frame.name, number);
   if (!fs::exists(path)) return;
-  const Image<Rgb> colours = read_png_rgb(path);
-  require_size(colours, frame.camera.width, frame.camera.height, path);
+  const Image<Rgb> colours = read_png_rgb(path, ImageSize{frame.camera.width, frame.camera.height});
   frame.mask = Image<std::uint8_t>(colours.width(), colours.height());
   std::ranges::transform(colours.pixels(), frame.mask.pixels().begin(),
                          [](const Rgb& pixel) -> std::uint8_t { return is_hand_colour(pixel) ? 1 : 0; });
@@ -139,7 +139,8 @@ std::optional<HandPose> IcgSource::read_truth(const std::string& stem) const {
   for (const std::string& annotator : annotators_) {
     const fs::path path = folder_ / fmt::format("{}_anno_{}.txt", stem, annotator);
     if (!fs::exists(path)) continue;
-    const std::vector<double> uvd = parse_annotation(read_text_file(path), kValuesPerIcgFrame, path.string());
+    const std::vector<double> uvd =
+        parse_annotation(read_regular_file(path, limits::kDocumentBytes), kValuesPerIcgFrame, path.string());
     return known_or_nothing(with_pixel_origin(pose_from_uvd(convention_from_name("icg20"), uvd),
                                               PixelOrigin::corner, PixelOrigin::centre));
   }

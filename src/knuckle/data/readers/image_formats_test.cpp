@@ -173,6 +173,24 @@ TEST_F(ExrHeader, HasNoMoreTilesThanTheFile) {
   EXPECT_THAT(error_of([&] { read_exr(path_); }), HasSubstr("its tiles are far larger than the image"));
 }
 
+/// Rows of all channels are unpacked together: 16 of them in ZIP, up to 256 in others.
+TEST_F(ExrHeader, HasNoMoreChannelsThanMemory) {
+  const std::string zero(1, '\0');
+  const auto with = [&](int count, const std::string& more) {
+    std::string channels;
+    for (int i = 0; i < count; ++i) channels += fmt::format("{}", i) + zero + numbers({2, 0, 1, 1});
+    return fault_of(attribute("channels", "chlist", channels + zero) + more);
+  };
+  const std::string zip = attribute("compression", "compression", "\3");
+  const std::string dwab = attribute("compression", "compression", "\t");
+  const auto is_too_much = HasSubstr("a.exr: cannot be read as an EXR image: it has too many channels");
+  EXPECT_THAT(with(128, zip), ::testing::Not(is_too_much));
+  EXPECT_THAT(with(129, zip), is_too_much);
+  EXPECT_THAT(with(8, dwab), ::testing::Not(is_too_much));
+  EXPECT_THAT(with(9, dwab), is_too_much);
+  EXPECT_THAT(with(9, ""), is_too_much) << "the worst is taken where nothing is said";
+}
+
 TEST_F(ExrHeader, IsLookedThroughInEveryPart) {
   const std::string first = attribute("name", "string", "a") + std::string(1, '\0');
   EXPECT_THAT(fault_of(first + attribute("owner", "mine", "x", 0x61640300), 0x1002),
@@ -237,15 +255,20 @@ TEST(CsvImage, RefusesSizesAndNumbersThatNoDepthImageHas) {
   };
   std::string rows;
   for (int i = 0; i < 16385; ++i) rows += "1\n";
-  EXPECT_THAT(fault(rows), HasSubstr("16385 rows, expected at most 16384"));
+  EXPECT_THAT(fault(rows), HasSubstr("1 x 16385 pixels, expected 1 to 16384 a side"));
   std::string wide;
   for (int i = 0; i < 16385; ++i) wide += "1,";
-  EXPECT_THAT(fault(wide + "\n"), HasSubstr("16385 values, expected at most 16384"));
+  EXPECT_THAT(fault(wide + "\n"), HasSubstr("16385 x 1 pixels, expected 1 to 16384 a side"));
   wide.resize(2 * 16384);
   std::string short_rows = wide;
   for (int i = 0; i < 16383; ++i) short_rows += "\n1";
-  EXPECT_THAT(fault(short_rows), HasSubstr("line 2 is too short")) << "a gigabyte for 65 KB";
+  EXPECT_THAT(fault(short_rows), HasSubstr("a.csv:2: has 1 values, expected 16384"))
+      << "a gigabyte for 65 KB";
   EXPECT_THAT(fault("1,1e200\n"), HasSubstr("too large"));
+  EXPECT_THAT(fault("1,2\n1\n" + std::string(std::size_t{2} << 20, '1')),
+              HasSubstr("a.csv:2: has 1 values, expected 2"));
+  EXPECT_THAT(fault("1,2\n\n1,2\n"), HasSubstr("a.csv:2: has 0 values, expected 2"));
+  EXPECT_THAT(fault("\n\n"), HasSubstr("a.csv: is empty"));
 }
 
 /// An EXR whose header says another size.
@@ -253,18 +276,20 @@ TEST(ExrImage, ThatSaysItHoldsMoreThanItCanIsRefusedBeforeMemoryIsTaken) {
   const testing::TemporaryFolder folder;
   write_exr(folder / "a.exr", ramp(37, 21));
   std::string bytes = read_text_file(folder / "a.exr");
-  const auto with_window = [&](std::int32_t right, std::int32_t bottom) {
+  const auto with_window = [&](std::int32_t right, std::int32_t bottom, int more_bytes = 20000) {
     for (const char* name : {"dataWindow", "displayWindow"}) {
       const std::size_t place = bytes.find(name) + std::strlen(name) + 1 + std::strlen("box2i") + 1 + 4 + 8;
       std::memcpy(bytes.data() + place, &right, sizeof(right));
       std::memcpy(bytes.data() + place + 4, &bottom, sizeof(bottom));
     }
-    put_file(folder / "b.exr", bytes + std::string(20000, '\0'));
+    put_file(folder / "b.exr", bytes + std::string(more_bytes, '\0'));
     return error_of([&] { read_exr(folder / "b.exr"); });
   };
   EXPECT_THAT(with_window(65535, 65535), HasSubstr("b.exr"));
   EXPECT_THAT(with_window(16384, 0), HasSubstr("b.exr"));
-  EXPECT_THAT(with_window(16383, 16383), HasSubstr("b.exr: says that it holds 268435456 pixels"));
+  EXPECT_THAT(with_window(16383, 16383),
+              HasSubstr("b.exr: has 16384 x 16384 pixels, expected at most 33554432"));
+  EXPECT_THAT(with_window(16383, 2047, 1000), HasSubstr("b.exr: says that it holds 33554432 pixels"));
   EXPECT_THAT(with_window(2147483646, 0), HasSubstr("b.exr"));
 }
 

@@ -19,9 +19,10 @@
 namespace knuckle {
 namespace {
 
-PngPixels read_png(const std::filesystem::path& path) {
+PngPixels read_png(const std::filesystem::path& path, const ExpectedSize& expected) {
   const std::string bytes = read_regular_file(path, limits::kImageFileBytes);
-  return decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, path.string());
+  return decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, path.string(),
+                    expected);
 }
 
 std::string kind_of(const PngPixels& image) {
@@ -46,16 +47,16 @@ void write_encoded(const std::filesystem::path& path, const cv::Mat& image) {
 
 }  // namespace
 
-Image<std::uint16_t> read_png16(const std::filesystem::path& path) {
-  return single_channel<std::uint16_t>(read_png(path), path);
+Image<std::uint16_t> read_png16(const std::filesystem::path& path, const ExpectedSize& expected) {
+  return single_channel<std::uint16_t>(read_png(path, expected), path);
 }
 
-Image<std::uint8_t> read_png8(const std::filesystem::path& path) {
-  return single_channel<std::uint8_t>(read_png(path), path);
+Image<std::uint8_t> read_png8(const std::filesystem::path& path, const ExpectedSize& expected) {
+  return single_channel<std::uint8_t>(read_png(path, expected), path);
 }
 
-Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path) {
-  const PngPixels decoded = read_png(path);
+Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path, const ExpectedSize& expected) {
+  const PngPixels decoded = read_png(path, expected);
   if (decoded.bits != 8) return single_channel<std::uint16_t>(decoded, path);
   const Image<std::uint8_t> narrow = single_channel<std::uint8_t>(decoded, path);
   Image<std::uint16_t> image(narrow.width(), narrow.height());
@@ -63,8 +64,8 @@ Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path) {
   return image;
 }
 
-Image<Rgb> read_png_rgb(const std::filesystem::path& path) {
-  const PngPixels decoded = read_png(path);
+Image<Rgb> read_png_rgb(const std::filesystem::path& path, const ExpectedSize& expected) {
+  const PngPixels decoded = read_png(path, expected);
   if (decoded.bits != 8 || decoded.channels < 3) {
     fail("{}: expected 3 channels of 8 bits, found {}", path.string(), kind_of(decoded));
   }

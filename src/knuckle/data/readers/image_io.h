@@ -3,17 +3,25 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "knuckle/core/image.h"
+#include "knuckle/core/image_size.h"
 
 namespace knuckle {
 
-/// Reads a PNG of one 16-bit channel. Throws an Error where the file is missing, cut short, no PNG, or of
-/// another kind.
-Image<std::uint16_t> read_png16(const std::filesystem::path& path);
+/// The size that an image must have; nothing: any that limits.h allows.
+using ExpectedSize = std::optional<ImageSize>;
+
+/// Reads a PNG of one 16-bit channel. Throws an Error where the file is missing, cut short, no PNG, of
+/// another kind, or of another size than `expected`; the latter before it is decoded.
+Image<std::uint16_t> read_png16(const std::filesystem::path& path, const ExpectedSize& expected = {});
 
 /// Reads a PNG of one 8-bit channel.
-Image<std::uint8_t> read_png8(const std::filesystem::path& path);
+Image<std::uint8_t> read_png8(const std::filesystem::path& path, const ExpectedSize& expected = {});
+
+/// Reads a PNG of one channel with 8 or 16 bits; see read_png16.
+Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path, const ExpectedSize& expected = {});
 
 /// One 8-bit RGB colour.
 struct Rgb {
@@ -24,7 +32,7 @@ struct Rgb {
 };
 
 /// Reads a PNG of three (or four, then without the last) 8-bit channels.
-Image<Rgb> read_png_rgb(const std::filesystem::path& path);
+Image<Rgb> read_png_rgb(const std::filesystem::path& path, const ExpectedSize& expected = {});
 
 /// Write a PNG; the file appears only when whole.
 void write_png(const std::filesystem::path& path, const Image<std::uint16_t>& image);

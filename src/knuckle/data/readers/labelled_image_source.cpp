@@ -40,8 +40,8 @@ Frame LabelledImageSource::read(std::int64_t index) const {
   Frame frame;
   frame.name = without_extension(image.name);
   frame.camera = format_.camera;
-  Image<std::uint16_t> counts = read_png16(image.path);
-  require_size(counts, format_.camera.width, format_.camera.height, image.path);
+  Image<std::uint16_t> counts =
+      read_png16(image.path, ImageSize{format_.camera.width, format_.camera.height});
   for (std::uint16_t& count : counts.pixels())
     if (count >= format_.first_mark) count = 0;
   frame.depth_mm = depth_from_counts(counts, 1.0);

@@ -63,9 +63,7 @@ Frame NyuSource::read(std::int64_t index) const {
   Frame frame;
   frame.name = without_extension(name);
   frame.camera = kNyuCamera;
-  const Image<Rgb> pixels = read_png_rgb(path);
-  require_size(pixels, kNyuCamera.width, kNyuCamera.height, path);
-  frame.depth_mm = decoded(pixels);
+  frame.depth_mm = decoded(read_png_rgb(path, ImageSize{kNyuCamera.width, kNyuCamera.height}));
   frame.truth = read_truth(name);
   return frame;
 }

@@ -2,6 +2,7 @@
 #include "knuckle/data/readers/pgm_image.h"
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/image_size.h"
 #include "knuckle/core/limits.h"
 
 namespace knuckle {
@@ -79,6 +80,7 @@ Image<std::uint16_t> decode_pgm16(std::string_view bytes, std::string_view where
   header.expect_signature();
   const int width = header.number("width", limits::kImageSide);
   const int height = header.number("height", limits::kImageSide);
+  require_image_size({width, height}, where);
   const int highest = header.number("highest value", 65535);
   if (highest < 256) fail("{}: has 8 bits per pixel, expected 16", where);
   return decode_plain16(header.pixels(), width, height, where);

@@ -11,7 +11,6 @@
 #include <png.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/limits.h"
 #include "knuckle/core/text.h"
 
 namespace knuckle {
@@ -142,16 +141,16 @@ std::vector<std::uint8_t> looked_up(std::span<const std::uint8_t> numbers, std::
 
 }  // namespace
 
-PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin) {
+PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin,
+                     const std::optional<ImageSize>& expected) {
   if (bytes.size() < kSignatureBytes || png_sig_cmp(bytes.data(), 0, kSignatureBytes) != 0) {
     fail("{}: not a PNG image", origin);
   }
   PngReader reader(bytes);
   if (!reader.read_header()) fail_of(reader, origin);
-  constexpr auto kSide = static_cast<std::uint64_t>(limits::kImageSide);
-  if (reader.width() > kSide || reader.height() > kSide) {
-    fail("{}: has {} x {} pixels, expected 1 to {} a side", origin, reader.width(), reader.height(), kSide);
-  }
+  const ImageSize size{static_cast<std::int64_t>(reader.width()), static_cast<std::int64_t>(reader.height())};
+  require_image_size(size, origin);
+  if (expected) require_same_size(size, *expected, origin);
   if (reader.file_bytes() > kDeflatesLimit * bytes.size()) {
     fail("{}: the PNG image is damaged: it says that it holds more pixels than it can", origin);
   }

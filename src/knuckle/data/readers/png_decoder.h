@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "knuckle/core/image_size.h"
 
 namespace knuckle {
 
@@ -20,7 +23,9 @@ struct PngPixels {
 
 /// Decodes a PNG (ISO/IEC 15948:2004), its sums and sizes checked first; a file cannot make it take more
 /// memory than a thousand times its own size. Throws an Error of one line that starts with `origin` where the
-/// bytes are cut short, damaged, not a PNG, or of an image larger than limits::kImageSide.
-PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin);
+/// bytes are cut short, damaged, not a PNG, or of an image larger than limits::kImageSide and kImagePixels.
+/// Where the size that the image must have is known, another is refused before a pixel is decoded.
+PngPixels decode_png(std::span<const std::uint8_t> bytes, const std::string& origin,
+                     const std::optional<ImageSize>& expected = std::nullopt);
 
 }  // namespace knuckle

@@ -125,8 +125,10 @@ TEST(PngDecoder, PutsInterlacedPixelsWhereTheyBelong) {
 TEST(PngDecoder, RefusesImpossibleSizesBeforeMemoryIsTaken) {
   EXPECT_THAT(fault_of(Png{.width = 65535, .height = 65535, .bits = 16, .rows = {0}}.bytes()),
               HasSubstr("65535 x 65535 pixels, expected 1 to 16384"));
-  EXPECT_THAT(fault_of(Png{.width = 16384, .height = 16384, .bits = 16, .rows = {0}}.bytes()),
+  EXPECT_THAT(fault_of(Png{.width = 16384, .height = 2048, .bits = 16, .rows = {0}}.bytes()),
               HasSubstr("more pixels than it can"));
+  EXPECT_THAT(fault_of(Png{.width = 16384, .height = 2049, .bits = 16, .rows = {0}}.bytes()),
+              HasSubstr("16384 x 2049 pixels, expected at most 33554432 in all"));
   EXPECT_THAT(fault_of(Png{.width = 0, .height = 5, .rows = {0}}.bytes()), HasSubstr("width is zero"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2}}.bytes()), HasSubstr("Not enough"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .rows = {0, 1, 2, 3, 4}}.bytes()), HasSubstr("Too much"));
@@ -135,6 +137,20 @@ TEST(PngDecoder, RefusesImpossibleSizesBeforeMemoryIsTaken) {
               HasSubstr("bit depth"));
   EXPECT_THAT(fault_of(Png{.width = 3, .height = 1, .type = 5, .rows = {9, 1, 2, 3}}.bytes()),
               HasSubstr("color type"));
+}
+
+TEST(PngDecoder, RefusesAnotherSizeThanTheCamerasBeforeItLooksAtThePixels) {
+  Bytes png = Png{.width = 3, .height = 2, .rows = {0, 1, 2, 3, 2, 1, 1, 1}}.bytes();
+  EXPECT_EQ(decode_png(png, "a", ImageSize{3, 2}).width, 3);
+  png.resize(png.size() - 20);  // pixels that cannot be decoded
+  EXPECT_EQ(testing::error_of([&] {
+              decode_png(png, "a", ImageSize{3, 3});
+            }),
+            "a: is 3x2 pixels, expected 3x3");
+  EXPECT_EQ(testing::error_of([&] {
+              decode_png(png, "a", ImageSize{2, 2});
+            }),
+            "a: is 3x2 pixels, expected 2x2");
 }
 
 TEST(PngDecoder, TakesNoMemoryForARowThatIsTooLong) {

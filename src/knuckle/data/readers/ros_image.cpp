@@ -5,6 +5,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/core/frame.h"
+#include "knuckle/core/image_size.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/text.h"
 
@@ -25,6 +26,7 @@ void require_sizes(const RosImage& image, std::string_view where) {
            limits::kImageSide);
     }
   }
+  require_image_size({image.width, image.height}, where);
   const std::uint64_t row_bytes = std::uint64_t{image.width} * bytes_per_pixel(image.encoding);
   if (image.step < row_bytes) {
     fail("{}: has rows of {} bytes, expected at least {}", where, image.step, row_bytes);

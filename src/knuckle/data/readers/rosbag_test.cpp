@@ -658,7 +658,8 @@ TEST_F(RosbagTest, SizesOfImagesAreChecked) {
   EXPECT_THAT(fault_with(8, 5, 16), HasSubstr("96 bytes, expected 80"));
   EXPECT_THAT(fault_with(0, 6, 16), HasSubstr("0x6 pixels"));
   EXPECT_THAT(fault_with(4294967295u, 4294967295u, 4294967295u), HasSubstr("1 to 16384 a side"));
-  EXPECT_THAT(fault_with(16384, 16384, 32768), HasSubstr("96 bytes, expected 536870912"));
+  EXPECT_THAT(fault_with(16384, 2048, 32768), HasSubstr("96 bytes, expected 67108864"));
+  EXPECT_THAT(fault_with(16384, 2049, 32768), HasSubstr("16384 x 2049 pixels, expected at most 33554432"));
 }
 
 TEST_F(RosbagTest, ADamagedChunkIsAFaultOfItsFramesAlone) {
