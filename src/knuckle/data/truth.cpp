@@ -19,11 +19,15 @@ std::vector<double> parse_annotation(std::string_view text, std::size_t count, s
   std::vector<double> numbers = parse_numbers(text, where);
   if (numbers.size() != count)
     fail("{}: has {} numbers, expected {} ({} joints)", where, numbers.size(), count, count / 3);
+  check_coordinates(numbers, where);
+  return numbers;
+}
+
+void check_coordinates(std::span<const double> numbers, std::string_view where) {
   for (const double number : numbers) {
     if (std::abs(number) > kLargestNumber)
       fail("{}: {} is out of range, expected at most {}", where, number, kLargestNumber);
   }
-  return numbers;
 }
 
 HandPose pose_from_uvd(const Convention& convention, std::span<const double> uvd) {

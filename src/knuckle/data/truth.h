@@ -16,6 +16,10 @@ namespace knuckle {
 /// `where` and says how many there are, quotes what is not a number, or names one beyond 1e9.
 std::vector<double> parse_annotation(std::string_view text, std::size_t count, std::string_view where);
 
+/// Throws an Error that starts with `where` where one of the numbers of a label, [px] or [mm], is infinite or
+/// far beyond what any camera sees. NaN, which is not known, passes.
+void check_coordinates(std::span<const double> numbers, std::string_view where);
+
 /// Joints from J x (u, v, d). A joint of which any value is not finite, or whose depth is not positive, is
 /// missing.
 HandPose pose_from_uvd(const Convention& convention, std::span<const double> uvd);

@@ -32,8 +32,10 @@ Hdf5File open_whole(const std::filesystem::path& path) {
 
 double depth_unit_of(const Hdf5File& file) {
   const double unit_mm = file.number_attribute("depth_unit_mm");
-  if (!(unit_mm > 0 && std::isfinite(unit_mm)))
-    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0", file.path().string(), unit_mm);
+  if (!(unit_mm > 0 && unit_mm <= limits::kDepthUnitMm)) {
+    fail("{}: the attribute 'depth_unit_mm' is {}, expected more than 0, at most {}", file.path().string(),
+         unit_mm, limits::kDepthUnitMm);
+  }
   return unit_mm;
 }
 
@@ -44,6 +46,16 @@ std::int64_t whole_number(const Hdf5File& file, std::string_view attribute) {
          attribute, value, limits::kFrames);
   }
   return static_cast<std::int64_t>(value);
+}
+
+/// Some arrays have a number per frame and are read whole; deflate makes a thousand zeros of a byte.
+void require_frames_fit(std::uint64_t frames, std::uintmax_t bytes, const std::filesystem::path& path) {
+  constexpr auto kMost = static_cast<std::uint64_t>(limits::kFrames);
+  const std::uint64_t most = limits::kFewFrames + bytes / limits::kFrameBytes;
+  if (frames > std::min(most, kMost)) {
+    fail("{}: says that it holds {} frames, more than a file of {} bytes can; it is damaged", path.string(),
+         frames, bytes);
+  }
 }
 
 }  // namespace
@@ -63,6 +75,7 @@ H5Source::H5Source(const std::filesystem::path& path)
   const std::vector<std::uint64_t> shape = file_.shape(kH5Depth);
   const std::uint64_t count = shape.empty() ? 0 : shape[0];
   if (count == 0) fail("{}: holds no frame", path.string());
+  require_frames_fit(count, bytes_, path);
   const std::vector<std::uint64_t> images{count, static_cast<std::uint64_t>(camera_.height),
                                           static_cast<std::uint64_t>(camera_.width)};
   require_shape(kH5Depth, images);
@@ -156,6 +169,7 @@ std::optional<HandPose> H5Source::read_truth(std::uint64_t row, const Camera& ca
   std::vector<float> joints_mm(std::size_t{kSupersetSize} * 3);
   file_.read_rows(kH5Joints, row, 1, joints_mm.data());
   const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
+  check_coordinates(xyz, fmt::format("{}: {}: frame {}", file_.path().string(), kH5Joints, row));
   return known_or_nothing(pose_from_camera(superset_convention(), xyz, Projection(camera)));
 }
 
@@ -198,6 +212,7 @@ HandTruth H5Source::read_hand(std::uint64_t hand, const Projection& projection,
   std::array<float, std::size_t{kSupersetSize} * 3> joints_mm{};
   file_.read_rows(kH5HandsJoints, hand, 1, joints_mm.data());
   const std::vector<double> xyz(joints_mm.begin(), joints_mm.end());
+  check_coordinates(xyz, fmt::format("{}: {}", where, kH5HandsJoints));
   truth.pose = pose_from_camera(superset_convention(), xyz, projection);
   std::array<std::uint8_t, kSupersetSize> occluders{};
   file_.read_rows(kH5HandsOccluders, hand, 1, occluders.data());

@@ -186,6 +186,9 @@ TEST(H5, LabelsAndHandsThatCannotBeAreRefused) {
               HasSubstr("frame 2: one of its hands has no side"));
   EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_occluders", 5, 1, nines.data()); }),
               HasSubstr("frame 3: hands_occluders: holds 9, expected 0 to 5"));
+  const std::vector<float> far(std::size_t{kSupersetSize} * 3, -2e9f);
+  EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_joints_mm", 0, 1, far.data()); }),
+              HasSubstr("frame 1: hands_joints_mm: -2000000000 is out of range"));
   const double two = 2.0;
   EXPECT_THAT(fault_after([&](Hdf5Writer& file) { file.write_rows("hands_visible_share", 0, 1, &two); }),
               HasSubstr("frame 1: hands_visible_share: is 2"));
@@ -459,6 +462,14 @@ TEST(H5, RefusesAnotherVersionAndArraysThatDoNotFit) {
               AllOf(HasSubstr("a.h5"), HasSubstr("fx")));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("depth_unit_mm", -1); }),
               HasSubstr("depth_unit_mm"));
+  EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("depth_unit_mm", 1000.5); }),
+              HasSubstr("'depth_unit_mm' is 1000.5, expected more than 0, at most 1000"));
+  EXPECT_THAT(error_after([](Hdf5Writer& file) {
+                const float endless = std::numeric_limits<float>::infinity();
+                const std::vector<float> joints(std::size_t{kSupersetSize} * 3, endless);
+                file.write_rows(kH5Joints, 0, 1, joints.data());
+              }),
+              HasSubstr("a.h5: joints_mm: frame 0: inf is out of range, expected at most 1000000000"));
   EXPECT_THAT(error_after([](Hdf5Writer& file) { file.set_attribute("camera_model", "fisheye"); }),
               HasSubstr("'camera_model' is 'fisheye', expected projective or orthographic"));
   EXPECT_THAT(error_after([](Hdf5Writer& file) {
@@ -482,6 +493,29 @@ TEST(H5, WithoutAFrameItIsRefused) {
     file.close();
   }
   EXPECT_THAT(error_of_h5_set(path), HasSubstr("a.h5: holds no frame"));
+}
+
+/// Zeros, deflated to next to nothing: what has a number per frame is read whole.
+TEST(H5, OfMoreFramesThanAFileOfItsSizeCanHoldIsRefused) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "a.h5";
+  constexpr std::uint64_t kFrames = 200'000;
+  Camera camera = small_camera();
+  camera.width = camera.height = 1;
+  Hdf5Writer file = Hdf5Writer::create(path);
+  file.set_attribute("format", kH5Format);
+  file.set_attribute("version", kH5Version);
+  file.set_attribute("complete", 1);
+  file.set_attribute("first_index", 0);
+  file.set_attribute("depth_unit_mm", 0.1);
+  write_camera(file, camera);
+  const std::vector<std::uint16_t> depth(kFrames, 0);
+  file.write(kH5Depth, {kFrames, 1, 1}, depth.data(), {kFrames, 9});
+  file.close();
+  EXPECT_THAT(
+      error_of_h5_set(path),
+      HasSubstr(fmt::format("a.h5: says that it holds 200000 frames, more than a file of {} bytes can",
+                            fs::file_size(path))));
 }
 
 TEST(H5, ThatChangesWhileItIsReadIsRefused) {

@@ -2,6 +2,7 @@
 // Arrays of many chunks, whose trees have leaves that are read one at a time.
 #include <array>
 #include <cstring>
+#include <fstream>
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/random.h"
@@ -125,6 +126,25 @@ TEST_F(ManyChunks, OfAChildThatIsNoLeafAreRefused) {
   change(bytes);
   EXPECT_THAT(error_of([&] { Hdf5File::open(path_).read<std::int32_t>("numbers"); }),
               HasSubstr("a tree's node is of another level"));
+}
+
+TEST(ChunksOfManyRows, AreUnpackedOnceForRowsThatFollowOneAnother) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "a.h5";
+  std::vector<std::int32_t> numbers(4 * 1000);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
+  Hdf5Writer writer = Hdf5Writer::create(path);
+  writer.write("numbers", {4, 1000}, numbers.data(), {2, 6});
+  writer.close();
+  const Hdf5File file = Hdf5File::open(path);
+  std::vector<std::int32_t> row(1000);
+  file.read_rows("numbers", 0, 1, row.data());
+  // What is not read again shows where the file is nothing any more.
+  std::ofstream(path, std::ios::binary | std::ios::in) << std::string(std::filesystem::file_size(path), 'x');
+  file.read_rows("numbers", 1, 1, row.data());
+  EXPECT_EQ(row.front(), 1000);
+  EXPECT_EQ(row.back(), 1999);
+  EXPECT_THAT(error_of([&] { file.read_rows("numbers", 2, 1, row.data()); }), HasSubstr("a.h5"));
 }
 
 }  // namespace

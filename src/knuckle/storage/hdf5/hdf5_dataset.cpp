@@ -292,7 +292,7 @@ void Hdf5Dataset::read_chunks(std::uint64_t first, std::uint64_t count, std::spa
   do {
     const std::optional<Hdf5Chunk> written = chunks().find(place);
     if (!written) continue;
-    copy_lines(shape_, chunk_, number_.bytes, place, chunk(*written), first, count, to.data());
+    copy_lines(shape_, chunk_, number_.bytes, place, *kept_chunk(*written), first, count, to.data());
   } while (advance(shape_, chunk_, first, first + count, place));
 }
 
@@ -303,6 +303,21 @@ void Hdf5Dataset::fill(std::span<std::uint8_t> to) const {
   }
   const std::size_t one = fill_value_.size();
   for (std::size_t i = 0; i < to.size(); i += one) std::memcpy(to.data() + i, fill_value_.data(), one);
+}
+
+/// Rows are read one by one: a chunk of many is not unpacked for each.
+std::shared_ptr<const Hdf5Dataset::Bytes> Hdf5Dataset::kept_chunk(const Hdf5Chunk& stored) const {
+  if (chunk_[0] == 1) return std::make_shared<const Bytes>(chunk(stored));
+  {
+    const std::scoped_lock lock(chunks_->kept_lock);
+    if (chunks_->kept && chunks_->kept_address == stored.address) return chunks_->kept;
+    chunks_->kept.reset();
+  }
+  auto unpacked = std::make_shared<const Bytes>(chunk(stored));
+  const std::scoped_lock lock(chunks_->kept_lock);
+  chunks_->kept_address = stored.address;
+  chunks_->kept = unpacked;
+  return unpacked;
 }
 
 Hdf5Dataset::Bytes Hdf5Dataset::chunk(const Hdf5Chunk& stored) const {

@@ -49,6 +49,7 @@ class Hdf5Dataset {
   void read_piece(std::uint64_t first, std::span<std::uint8_t> to) const;
   void read_chunks(std::uint64_t first, std::uint64_t count, std::span<std::uint8_t> to) const;
   Bytes chunk(const Hdf5Chunk& stored) const;
+  std::shared_ptr<const Bytes> kept_chunk(const Hdf5Chunk& stored) const;
   void fill(std::span<std::uint8_t> to) const;
 
   const Hdf5Bytes* file_;
@@ -66,6 +67,9 @@ class Hdf5Dataset {
   struct LazyChunks {
     std::mutex lock;
     std::optional<Hdf5Chunks> found;
+    std::mutex kept_lock;
+    std::uint64_t kept_address = 0;
+    std::shared_ptr<const Bytes> kept;  ///< the last one that was unpacked, where chunks hold many rows
   };
   std::unique_ptr<LazyChunks> chunks_;  ///< null where the array lies in one piece
   int shuffle_ = -1;                    ///< the filter's place among all; -1: there is none
