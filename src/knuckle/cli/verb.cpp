@@ -77,11 +77,11 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
     std::ostringstream faults;
     const int status = program.exit(error, std::cout, faults);
     for (const std::string_view line : split(faults.view(), '\n')) {
-      if (!line.empty()) fmt::print(stderr, "{}\n", printable(line));
+      if (!line.empty()) fmt::print(stderr, "{}\n", message_line(line));
     }
     return status == 0 ? 0 : kWrongUsage;
   }
-  fmt::print(stderr, "knuckle: {}\n", printable(unknown));
+  fmt::print(stderr, "knuckle: {}\n", message_line(unknown));
   return kWrongUsage;
 }
 
@@ -144,7 +144,7 @@ int run_program(const std::string& description, void (*add_verbs)(CLI::App& prog
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "knuckle: there is not enough memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "knuckle: {}\n", printable(error.what()));
+    fmt::print(stderr, "knuckle: {}\n", message_line(error.what()));
   }
   return kFailed;
 }

@@ -13,7 +13,16 @@ namespace knuckle {
 /// that names the file (or value), the fault, and what was expected; the program prints it and exits with 1.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// What a file says may be part of the message. A 0 in it would end the message: it is written as \x00.
+  explicit Error(std::string message) : std::runtime_error(without_zeros(std::move(message))) {}
+
+ private:
+  static std::string without_zeros(std::string message) {
+    for (std::size_t at = message.find('\0'); at != std::string::npos; at = message.find('\0', at)) {
+      message.replace(at, 1, "\\x00");
+    }
+    return message;
+  }
 };
 
 /// Throws an Error with a formatted message.

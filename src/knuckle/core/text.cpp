@@ -20,7 +20,8 @@ constexpr std::string_view kBlanks = " \t\r\n\f\v";
 constexpr std::size_t kLongestQuote = 40;
 
 std::string quoted(std::string_view text) {
-  return fmt::format("'{}{}'", text.substr(0, kLongestQuote), text.size() > kLongestQuote ? "..." : "");
+  return fmt::format("'{}{}'", printable(text.substr(0, kLongestQuote)),
+                     text.size() > kLongestQuote ? "..." : "");
 }
 
 template <class T>
@@ -152,6 +153,25 @@ std::string printable(std::string_view text) {
     text.remove_prefix(std::max<std::size_t>(1, length));
   }
   return shown;
+}
+
+std::string shortened(std::string_view text, std::size_t most) {
+  constexpr std::string_view kGap = "...";
+  if (text.size() <= most) return std::string(text);
+  const auto is_within = [&](std::size_t i) {  // a character that began before
+    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xC0U) == 0x80;
+  };
+  const std::size_t half = (most - kGap.size()) / 2;
+  std::size_t front = half;
+  while (front > 0 && half - front < 3 && is_within(front)) --front;
+  std::size_t back = text.size() - half;
+  while (back + half < text.size() + 3 && is_within(back)) ++back;
+  return fmt::format("{}{}{}", text.substr(0, front), kGap, text.substr(back));
+}
+
+std::string message_line(std::string_view text) {
+  constexpr std::size_t kMostBytes = 4096;
+  return printable(shortened(text, kMostBytes));
 }
 
 }  // namespace knuckle

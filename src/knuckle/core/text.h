@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,13 @@ std::string lower_case(std::string_view text);
 /// `text` as it may be shown on a terminal: control characters, characters that change the direction of
 /// writing, and bytes that are no UTF-8 as \\n, \\t, \\xNN or \\u{NNNN}.
 std::string printable(std::string_view text);
+
+/// `text`, or its beginning and end with "..." between, where it has more than `most` bytes: these are all
+/// then. Characters of UTF-8 stay whole. `most` is 8 or more.
+std::string shortened(std::string_view text, std::size_t most);
+
+/// `text` as one line of a message: printable and shortened, so that no file can fill a terminal.
+std::string message_line(std::string_view text);
 
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& parts, std::string_view separator = ", ");

@@ -81,5 +81,38 @@ TEST(TextTest, PrintableEscapesBytesThatAreNoUtf8) {
   EXPECT_EQ(printable("\xF4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80") << "beyond Unicode";
 }
 
+TEST(Shortened, KeepsBeginningAndEnd) {
+  EXPECT_EQ(shortened("0123456789", 10), "0123456789");
+  EXPECT_EQ(shortened("0123456789A", 10), "012...89A");
+  EXPECT_EQ(shortened("", 8), "");
+}
+
+TEST(Shortened, KeepsCharactersWhole) {
+  std::string wide;
+  for (int i = 0; i < 40; ++i) wide += "\u20ac";  // three bytes each
+  for (std::size_t most = 9; most < 60; ++most) {
+    const std::string text = shortened(wide, most);
+    EXPECT_LE(text.size(), most);
+    EXPECT_EQ(printable(text), text) << most;
+  }
+}
+
+TEST(MessageLine, IsPrintableAndShort) {
+  EXPECT_EQ(message_line("a\nb\x1b"), "a\\nb\\x1b");
+  const std::string line = message_line("first" + std::string(14'000'000, 'x') + "last");
+  EXPECT_EQ(line.size(), 4095);
+  EXPECT_THAT(line, ::testing::AllOf(::testing::StartsWith("firstx"), ::testing::EndsWith("xlast")));
+}
+
+TEST(ParseNumber, QuotesWhatCanBeShown) {
+  EXPECT_THAT(testing::error_of([] { parse_number(std::string_view("4\0z", 3), "a.txt:1"); }),
+              ::testing::HasSubstr("found '4\\x00z'"));
+}
+
+TEST(Error, SaysAllThatStandsAfterAZero) {
+  using std::string_literals::operator""s;
+  EXPECT_EQ(testing::error_of([] { fail("{}: not a name", "a\0b\0"s); }), "a\\x00b\\x00: not a name");
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -71,8 +71,8 @@ Image<std::uint8_t> LabelledSource::mask_of(std::int64_t index, const Camera& ca
   if (found == masks_.end()) return pixels;
   for (const auto& mask : found->second) {
     if (mask->width != camera.width || mask->height != camera.height) {
-      fail("frame {}: its mask is of {}x{} pixels, its image of {}x{}", index, mask->width, mask->height,
-           camera.width, camera.height);
+      fail("{}: frame {}: the mask of its labels is of {}x{} pixels, its image of {}x{}", book_.head().source,
+           index, mask->width, mask->height, camera.width, camera.height);
     }
     const Image<std::uint8_t> one = pixels_of(*mask);
     std::ranges::transform(one.pixels(), pixels.pixels(), pixels.data(),

@@ -116,7 +116,8 @@ TEST_F(LabelledSourceTest, AMaskOfAnotherSizeIsRefused) {
   change.revision += 1;
   change.mask = mask_of_column(3, 50);
   book_.add(change);
-  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {}).read(0); }), HasSubstr("50x120"));
+  EXPECT_THAT(testing::error_of([&] { LabelledSource(source_, book_, {}).read(0); }),
+              HasSubstr(book_.head().source + ": frame 0: the mask of its labels is of 50x120 pixels"));
   change.revision += 1;
   change.mask =
       std::make_shared<const LabelMask>(mask_from_pixels_of_hand(Image<std::uint8_t>(kLabelCamera.width, 7)));

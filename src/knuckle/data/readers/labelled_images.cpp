@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/text.h"
 #include "knuckle/data/readers/file_listing.h"
 #include "knuckle/data/truth.h"
 
@@ -17,10 +18,12 @@ namespace {
 
 /// Throws where a name leads out of the folder of the images, as far as its text says.
 void require_inside(const std::string& name, const std::string& where) {
+  constexpr std::size_t kShown = 200;
   const fs::path path(name);
   const bool climbs = std::ranges::any_of(path, [](const fs::path& part) { return part == ".."; });
   if (climbs || path.is_absolute() || name.find('\0') != std::string::npos) {
-    fail("{}: names '{}', which does not lie in the folder of the images", where, name);
+    fail("{}: names '{}', which does not lie in the folder of the images", where,
+         printable(shortened(name, kShown)));
   }
 }
 
@@ -52,7 +55,8 @@ LabelledImages::Entry LabelledImages::read(std::int64_t index, std::size_t numbe
   const std::size_t name_end = std::min(line.find_first_of(" \t", name_start), line.size());
   const std::string name = line.substr(name_start, name_end - name_start);
   if (!name.ends_with(".png"))
-    fail("{}: starts with '{}', expected the name of a .png", lines_->where(index), name);
+    fail("{}: starts with '{}', expected the name of a .png", lines_->where(index),
+         printable(shortened(name, 80)));
   require_inside(name, lines_->where(index));
   return {name, images_ / name,
           parse_annotation(std::string_view(line).substr(name_end), number_count, lines_->where(index))};
