@@ -66,23 +66,33 @@ constexpr std::uint64_t kMostTickNs = 1'000'000'000;
 constexpr std::int64_t kMostTicks = std::int64_t{1} << 53;
 constexpr std::int64_t kMostTimeNs = std::int64_t{1} << 62;
 
+/// As much of a name or a code as anybody looks at.
+std::span<const std::uint8_t> start_of(std::span<const std::uint8_t> content) {
+  return content.first(std::min(content.size(), static_cast<std::size_t>(limits::kNameLength)));
+}
+
 MatroskaTrack parse_track(std::span<const std::uint8_t> entry, std::string_view where) {
   MatroskaTrack track;
   EbmlCursor fields(entry, where);
   while (const auto field = fields.next()) {
     if (field->id == kTrackNumber) track.number = ebml_u64(field->content, where);
     if (field->id == kTrackUid) track.uid = ebml_u64(field->content, where);
-    if (field->id == kTrackName) track.name = ebml_text(field->content);
-    if (field->id == kCodecId) track.codec = ebml_text(field->content);
-    if (field->id == kCodecPrivate) track.codec_private.assign(field->content.begin(), field->content.end());
+    if (field->id == kTrackName) track.name = ebml_text(start_of(field->content));
+    if (field->id == kCodecId) track.codec = ebml_text(start_of(field->content));
+    if (field->id == kCodecPrivate) {
+      const std::span<const std::uint8_t> start = start_of(field->content);
+      track.codec_private.assign(start.begin(), start.end());
+    }
     if (field->id == kContentEncodings) track.is_encoded = true;
     if (field->id != kVideo) continue;
     EbmlCursor video(field->content, where);
     while (const auto property = video.next()) {
       if (property->id == kPixelWidth) track.width = ebml_u64(property->content, where);
       if (property->id == kPixelHeight) track.height = ebml_u64(property->content, where);
-      if (property->id == kColourSpace)
-        track.colour_space = {property->content.begin(), property->content.end()};
+      if (property->id == kColourSpace) {
+        const std::span<const std::uint8_t> start = start_of(property->content);
+        track.colour_space = {start.begin(), start.end()};
+      }
     }
   }
   return track;
@@ -107,19 +117,19 @@ std::optional<std::uint64_t> parse_track_uid(std::span<const std::uint8_t> targe
   return uid == 0u ? std::nullopt : uid;  // 0: of all tracks
 }
 
-void append_tags(std::span<const std::uint8_t> content, std::string_view where,
-                 std::vector<MatroskaTag>& tags) {
+}  // namespace
+
+void Matroska::append_tags(Bytes content, std::string_view where) {
   std::optional<std::uint64_t> uid;
   EbmlCursor fields(content, where);
   while (const auto field = fields.next()) {
     if (field->id == kTargets) uid = parse_track_uid(field->content, where);
     if (field->id != kSimpleTag) continue;
-    tags.push_back(parse_simple_tag(field->content, where));
-    tags.back().track_uid = uid;
+    require_below(tags_.size(), limits::kRecordingTags, "tags");
+    tags_.push_back(parse_simple_tag(field->content, where));
+    tags_.back().track_uid = uid;
   }
 }
-
-}  // namespace
 
 Matroska::Matroska(std::filesystem::path path) : file_(std::move(path)) {
   std::uint64_t at = read_header();
@@ -135,10 +145,30 @@ Matroska::Matroska(std::filesystem::path path) : file_(std::move(path)) {
   if (!has_segment) fail("{}: is cut short: it has no segment", file_.path().string());
 }
 
-Matroska::Element Matroska::element_at(std::uint64_t at, std::uint64_t end) const {
+void Matroska::require_below(std::uint64_t count, std::uint64_t most, std::string_view what) const {
+  if (count >= most) fail("{}: has more than {} {}", file_.path().string(), most, what);
+}
+
+/// The first bytes of an element. Where one follows closely on another the bytes of many are read together;
+/// between images, which are far apart, a few.
+Matroska::Bytes Matroska::start_at(std::uint64_t at, std::uint64_t end) {
+  constexpr std::uint64_t kNear = 256;
+  constexpr std::uint64_t kTogether = 4096;
+  const bool is_near = at >= starts_at_ && at - starts_at_ < starts_.size() + kNear;
+  const bool is_there = is_near && at + kMostEbmlHeadBytes <= starts_at_ + starts_.size();
+  if (!is_there) {
+    starts_ = file_.read_up_to(at, is_near ? kTogether : kMostEbmlHeadBytes, file_.size());
+    starts_at_ = at;
+  }
+  const Bytes start = Bytes(starts_).subspan(static_cast<std::size_t>(at - starts_at_));
+  return start.first(static_cast<std::size_t>(
+      std::min<std::uint64_t>({start.size(), kMostEbmlHeadBytes, at > end ? 0 : end - at})));
+}
+
+Matroska::Element Matroska::element_at(std::uint64_t at, std::uint64_t end) {
+  require_below(elements_++, limits::kRecordingElements, "elements");
   const std::string where = file_.place(at);
-  const std::vector<std::uint8_t> start = file_.read_up_to(at, kMostEbmlHeadBytes, end);
-  const EbmlHead head = parse_ebml_head(start, where);
+  const EbmlHead head = parse_ebml_head(start_at(at, end), where);
   const std::uint64_t data_at = at + head.head_bytes;
   if (!head.is_size_known) {
     if (head.id != kSegment && head.id != kCluster)
@@ -222,7 +252,9 @@ void Matroska::read_tracks(const Element& element) {
   const std::vector<std::uint8_t> content = content_of(element);
   EbmlCursor entries(content, where);
   while (const auto entry = entries.next()) {
-    if (entry->id == kTrackEntry) tracks_.push_back(parse_track(entry->content, where));
+    if (entry->id != kTrackEntry) continue;
+    require_below(tracks_.size(), limits::kTracks, "tracks");
+    tracks_.push_back(parse_track(entry->content, where));
   }
 }
 
@@ -231,7 +263,7 @@ void Matroska::read_tags(const Element& element) {
   const std::vector<std::uint8_t> content = content_of(element);
   EbmlCursor tags(content, where);
   while (const auto tag = tags.next()) {
-    if (tag->id == kTag) append_tags(tag->content, where, tags_);
+    if (tag->id == kTag) append_tags(tag->content, where);
   }
 }
 
@@ -252,6 +284,7 @@ void Matroska::read_attachments(const Element& element) {
         attachment.bytes = field.end - field.data_at;
       }
     }
+    require_below(attachments_.size(), limits::kRecordingTags, "files within it");
     attachments_.push_back(std::move(attachment));
   }
 }
@@ -295,6 +328,7 @@ void Matroska::add_block(const Element& block, std::uint64_t cluster_time) {
   TrackBlocks& blocks = blocks_[track.value];
   blocks.has_lacing = blocks.has_lacing || (cursor.u8() & kLacing) != 0;
   const std::uint64_t data_at = block.data_at + track.bytes + 3;
+  require_below(block_count_++, limits::kRecordedMessages, "images");
   blocks.blocks.push_back({data_at, block.end - data_at, static_cast<std::int64_t>(cluster_time) + ticks});
 }
 

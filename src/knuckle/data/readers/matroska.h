@@ -85,13 +85,16 @@ class Matroska {
     bool has_lacing = false;
   };
 
-  Element element_at(std::uint64_t at, std::uint64_t end) const;
+  void require_below(std::uint64_t count, std::uint64_t most, std::string_view what) const;
+  Bytes start_at(std::uint64_t at, std::uint64_t end);
+  Element element_at(std::uint64_t at, std::uint64_t end);
   std::vector<std::uint8_t> content_of(const Element& element) const;
   std::uint64_t read_header();
   void read_segment(const Element& segment);
   void read_info(const Element& element);
   void read_tracks(const Element& element);
   void read_tags(const Element& element);
+  void append_tags(Bytes content, std::string_view where);
   void read_attachments(const Element& element);
   std::uint64_t read_cluster(const Element& cluster);
   void add_block(const Element& block, std::uint64_t cluster_time);
@@ -103,6 +106,10 @@ class Matroska {
   std::vector<MatroskaAttachment> attachments_;
   std::map<std::uint64_t, TrackBlocks> blocks_;  ///< by the track's number; times in ticks until all is read
   bool has_encrypted_blocks_ = false;
+  std::uint64_t elements_ = 0;        ///< that were looked at
+  std::uint64_t block_count_ = 0;     ///< of all tracks
+  std::vector<std::uint8_t> starts_;  ///< bytes of the file, where elements begin
+  std::uint64_t starts_at_ = 0;
 };
 
 }  // namespace knuckle

@@ -192,11 +192,16 @@ void Mcap::add_statistics(const McapRecord& record) {
 /// Indexes are believed where statistics tell that they are whole. Chunks without one, and those whose index
 /// tells of channels that no record outside of chunks describes, are looked through.
 void Mcap::list_messages() {
+  if (!counts_.empty()) {
+    for (const Listing& listed : listings_) chunks_[listed.chunk].is_listed = true;
+  }
+  for (const Chunk& chunk : chunks_) {
+    if (!chunk.is_listed) require_unpackable(chunk.bytes);
+  }
   auto listing = listings_.begin();
   for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
     auto end = listing;
     while (end != listings_.end() && end->chunk == number) ++end;
-    chunks_[number].is_listed = end != listing && !counts_.empty();
     const bool is_described =
         std::all_of(listing, end, [&](const Listing& listed) { return channels_.contains(listed.channel); });
     if (!chunks_[number].is_listed || !is_described) scan_chunk(number);
@@ -206,8 +211,22 @@ void Mcap::list_messages() {
   }
 }
 
+/// A byte of zstd may stand for tens of thousands: what is unpacked only to look for messages is bounded.
+void Mcap::require_unpackable(std::uint64_t bytes) {
+  constexpr auto kTimes = static_cast<std::uint64_t>(limits::kUnpackedTimes);
+  const std::uint64_t most = static_cast<std::uint64_t>(limits::kUnpackedBytes) + kTimes * file_.size();
+  scanned_bytes_ += bytes;
+  if (scanned_bytes_ > most) {
+    fail(
+        "{}: has no index, and unpacks to more than {} bytes, expected at most {} times its {}; "
+        "'mcap recover' makes an index",
+        file_.path().string(), most, kTimes, file_.size());
+  }
+}
+
 void Mcap::scan_chunk(std::uint32_t number) {
   const std::string where = file_.place(chunks_[number].at);
+  if (chunks_[number].is_listed) require_unpackable(chunks_[number].bytes);
   const std::shared_ptr<const ChunkCache::Bytes> chunk = unpacked_chunk(number);
   ByteCursor cursor(*chunk, where);
   while (cursor.left() > 0) {

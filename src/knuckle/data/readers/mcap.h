@@ -78,6 +78,7 @@ class Mcap {
   void add_listing(const McapRecord& record);
   void add_statistics(const McapRecord& record);
   void list_messages();
+  void require_unpackable(std::uint64_t bytes);
   void scan_chunk(std::uint32_t number);
   void read_listing(const Listing& listing);
   void check_counts() const;
@@ -98,6 +99,7 @@ class Mcap {
   std::vector<Listing> listings_;                  ///< in the order of the file
   std::map<ChannelNumber, std::uint64_t> counts_;  ///< of messages, as the file's statistics say
   std::uint64_t listed_ = 0;                       ///< messages
+  std::uint64_t scanned_bytes_ = 0;                ///< unpacked of chunks that are not listed
   bool has_loose_messages_ = false;
   std::uint64_t data_end_ = 0;     ///< where the data section ends [bytes]
   std::uint32_t sum_of_data_ = 0;  ///< 0: not known

@@ -377,6 +377,18 @@ TEST_F(McapTest, CountsAreComparedWithTheStatistics) {
   EXPECT_THAT(fault(filled({.more_messages = 1})), HasSubstr("expected 9"));
 }
 
+TEST_F(McapTest, ChunksThatUnpackToFarMoreThanTheFileAreNotLookedThrough) {
+  McapTestWriter mcap({.compression = "zstd", .has_summary = false, .more_chunk_bytes = 250'000'000});
+  for (int i = 0; i < 4; ++i) {
+    mcap.add(kMcapDepth, kMcapImage, i, image_of({}, i));
+    mcap.end_chunk();
+  }
+  EXPECT_THAT(fault(mcap), HasSubstr("bytes, expected")) << "each is unpacked, and is not as long as it says";
+  mcap.add(kMcapDepth, kMcapImage, 4, image_of({}, 4));
+  EXPECT_THAT(fault(mcap), AllOf(HasSubstr("a.mcap: has no index, and unpacks to more than 10737"),
+                                 HasSubstr("'mcap recover'")));
+}
+
 TEST_F(McapTest, TooManyChannelsAreRefused) {
   McapTestWriter mcap;
   for (int i = 0; i <= 16384; ++i) mcap.add(fmt::format("/{}", i), kMcapImage, 1.0, "");

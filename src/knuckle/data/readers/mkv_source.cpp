@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::string_view kDepthName = "DEPTH";
 constexpr std::string_view kInfraredName = "IR";
+constexpr std::size_t kShownNameBytes = 40;
+constexpr std::size_t kShownTracks = 16;
 constexpr const char* kHowToGiveACamera = "give the camera by ?camera=FILE.toml";
 
 /// The four characters that name the pixels of a track; empty where it is compressed.
@@ -40,7 +42,10 @@ std::optional<bool> is_big_endian_code(std::string_view code) {
 
 std::string names_of_tracks(const std::vector<MatroskaTrack>& tracks) {
   std::vector<std::string> names;
-  for (const MatroskaTrack& track : tracks) names.push_back(printable(track.name));
+  for (const MatroskaTrack& track : tracks) {
+    names.push_back(printable(shortened(track.name, kShownNameBytes)));
+    if (names.size() == kShownTracks) break;
+  }
   return names.empty() ? "none" : joined(names);
 }
 

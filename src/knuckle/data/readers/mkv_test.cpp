@@ -387,6 +387,26 @@ TEST_F(MkvTest, WithoutDepthOrImagesItSaysSo) {
   EXPECT_THAT(error_of([&] { open(MkvTestWriter()); }), HasSubstr("the depth track holds no image"));
 }
 
+TEST_F(MkvTest, NoFileMayDescribeTooMuch) {
+  const auto fault_of = [&](std::uint32_t id, const std::string& entry, int count) {
+    std::string entries;
+    for (int i = 0; i < count; ++i) entries += entry;
+    put_file(folder_ / "a.mkv", mkv_element(0x1A45DFA3, mkv_element(0x4282, "matroska")) +
+                                    mkv_element(0x18538067, mkv_element(id, entries)));
+    return error_of([&] { MkvSource(folder_ / "a.mkv", {}); });
+  };
+  const std::string track = mkv_element(0xAE, mkv_element(0x536E, std::string(5'000, 'n')));
+  EXPECT_LT(fault_of(0x1654AE6B, track, 200).size(), 1000) << "names are shortened, and some are enough";
+  EXPECT_THAT(fault_of(0x1654AE6B, mkv_element(0xAE, ""), 256), HasSubstr("has no depth track"));
+  EXPECT_THAT(fault_of(0x1654AE6B, mkv_element(0xAE, ""), 257), HasSubstr("more than 256 tracks"));
+  const std::string tag = mkv_element(0x7373, mkv_element(0x67C8, ""));
+  EXPECT_THAT(fault_of(0x1254C367, tag, 4096), HasSubstr("has no depth track"));
+  EXPECT_THAT(fault_of(0x1254C367, tag, 4097), HasSubstr("more than 4096 tags"));
+  const std::string file = mkv_element(0x61A7, "");
+  EXPECT_THAT(fault_of(0x1941A469, file, 4096), HasSubstr("has no depth track"));
+  EXPECT_THAT(fault_of(0x1941A469, file, 4097), HasSubstr("more than 4096 files within it"));
+}
+
 TEST_F(MkvTest, SizesAreChecked) {
   EXPECT_THAT(fault({.width = 0}), HasSubstr("0x288 pixels, expected 1 to 16384 a side"));
   EXPECT_THAT(fault(small()), HasSubstr("8x6 pixels, and the depth mode has 320x288"));
