@@ -11,6 +11,14 @@ namespace fs = std::filesystem;
 namespace knuckle {
 namespace {
 
+/// All but folders. A FIFO, a device or a link to nothing is an error of whoever reads it, not a frame less;
+/// a file that went away meanwhile is none.
+bool is_listed(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  if (entry.is_regular_file(ignored)) return true;
+  return fs::exists(entry.symlink_status(ignored)) && !entry.is_directory(ignored);
+}
+
 /// Walks with `Iterator` (flat or recursive) and shows each file's path relative to `folder`.
 template <class Iterator>
 void visit_with(const fs::path& folder, const std::function<void(std::string_view)>& visit) {
@@ -18,9 +26,7 @@ void visit_with(const fs::path& folder, const std::function<void(std::string_vie
   const fs::path root = folder / "";
   std::error_code error;
   for (Iterator entry(root, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code ignored;  // a file that went away meanwhile is not a file
-    if (entry->is_regular_file(ignored))
-      visit(std::string_view(entry->path().native()).substr(root.native().size()));
+    if (is_listed(*entry)) visit(std::string_view(entry->path().native()).substr(root.native().size()));
   }
   if (error) fail("{}: cannot list the folder: {}", folder.string(), error.message());
 }

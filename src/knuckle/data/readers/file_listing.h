@@ -18,7 +18,8 @@ void require_folder(const std::filesystem::path& folder);
 std::vector<std::string> list_files(const std::filesystem::path& folder, std::string_view prefix,
                                     std::string_view suffix);
 
-/// Shows the path of every file in `folder` and below it, relative to it with '/' between, in no order.
+/// Shows the path of every file in `folder` and below it, relative to it with '/' between, in no order. Links
+/// to files are files, wherever they lead; folders that are links are not entered.
 void visit_files_below(const std::filesystem::path& folder,
                        const std::function<void(std::string_view)>& visit);
 
