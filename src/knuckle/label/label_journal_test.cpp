@@ -12,6 +12,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/label/label_testing.h"
+#include "knuckle/storage/flush_testing.h"
 
 namespace knuckle {
 namespace {
@@ -45,6 +46,18 @@ TEST_F(LabelJournalTest, EveryChangeIsOnTheDiskAtOnceAndReadAgain) {
   const LabelJournal again(path_, head_);
   EXPECT_EQ(again.book().hands().size(), 2U);
   EXPECT_EQ(again.book().find({1})->revision(), 2);
+}
+
+TEST_F(LabelJournalTest, EveryChangeIsHandedToTheDiskAndSoIsTheNameOfANewFile) {
+  std::vector<fs::path> flushed;
+  testing::on_flush = [&](const fs::path& path) { flushed.push_back(path); };
+  {
+    LabelJournal journal(path_, head_);
+    journal.add(change_at(1, 1, 1));
+  }
+  testing::on_flush = nullptr;
+  const fs::path real = fs::canonical(folder_.path());
+  EXPECT_THAT(flushed, ::testing::ElementsAre(real / "labels.jsonl", real, real / "labels.jsonl"));
 }
 
 TEST_F(LabelJournalTest, AKillAtAnyMomentLosesNoChangeThatWasTold) {

@@ -15,33 +15,18 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/storage/flush_testing.h"
 
 namespace knuckle {
 namespace {
 
-/// What this program hands to the disk, in its order; not kept where there is no list.
-std::optional<std::vector<std::filesystem::path>> g_flushed;
 /// What the system says when it is asked for random bits; the system itself where there is none.
 std::optional<std::uint64_t> g_random;
-/// Whether nothing that is handed to the disk arrives there.
-bool g_disk_fails = false;
 
 }  // namespace
 }  // namespace knuckle
 
-// These take the place of the system's: what they were asked shows nowhere else.
-extern "C" int fsync(int descriptor) {
-  if (knuckle::g_flushed) {
-    knuckle::g_flushed->push_back(
-        std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
-  }
-  if (knuckle::g_disk_fails) {
-    errno = EIO;
-    return -1;
-  }
-  return static_cast<int>(::syscall(SYS_fsync, descriptor));
-}
-
+// This takes the place of the system's.
 extern "C" ssize_t getrandom(void* bytes, std::size_t count, unsigned flags) {
   if (!knuckle::g_random) return ::syscall(SYS_getrandom, bytes, count, flags);
   std::memcpy(bytes, &*knuckle::g_random, std::min(count, sizeof(*knuckle::g_random)));
@@ -142,9 +127,9 @@ TEST(FileIoTest, AFullDiskIsAnErrorThatNamesTheFile) {
 TEST(FileIoTest, ADiskThatDoesNotTakeTheContentLeavesTheFormerFileAndNothingElse) {
   const TemporaryFolder folder;
   write_text_file(folder / "file.txt", "former");
-  g_disk_fails = true;
+  testing::disk_fails = true;
   const std::string message = error_of([&] { write_text_file(folder / "file.txt", "text"); });
-  g_disk_fails = false;
+  testing::disk_fails = false;
   EXPECT_THAT(message, HasSubstr("file.txt: cannot write: Input/output error"));
   EXPECT_EQ(read_text_file(folder / "file.txt"), "former");
   EXPECT_EQ(entries_in(folder.path()), 1u);
@@ -199,12 +184,13 @@ TEST(FileIoTest, TheFileIsOnTheDiskBeforeItsNameAndTheFolderAfterIt) {
   const TemporaryFolder folder;
   const std::filesystem::path real = std::filesystem::canonical(folder.path());
   std::filesystem::path temporary;
-  g_flushed.emplace();
+  std::vector<std::filesystem::path> flushed;
+  testing::on_flush = [&](const std::filesystem::path& path) { flushed.push_back(path); };
   write_file_atomically(real / "file.txt", [&](const std::filesystem::path& path) {
     temporary = path;
     std::ofstream(path) << "text";
   });
-  const std::vector<std::filesystem::path> flushed = *std::exchange(g_flushed, std::nullopt);
+  testing::on_flush = nullptr;
   EXPECT_THAT(flushed, ElementsAre(temporary, real));
 }
 

@@ -10,6 +10,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/storage/flush_testing.h"
 
 namespace knuckle {
 namespace {
@@ -63,6 +64,35 @@ TEST_F(GrowingFilesTest, WhatIsWrittenIsOnTheDiskAtOnceAndGetsItsNameInTheEnd) {
   EXPECT_THAT(notes, ::testing::ElementsAre("note 0", "note 1", "note 2", "note 3", "note 4"));
   files.publish();
   expect_published(5);
+}
+
+TEST_F(GrowingFilesTest, RecordsAreOnTheDiskBeforeTheirNamesAndNamesBeforeTheJournalGoes) {
+  GrowingFiles files = open(Begin::anew);
+  grow(files, 2);
+  std::vector<fs::path> flushed;
+  testing::on_flush = [&](const fs::path& path) {
+    flushed.push_back(path);
+    EXPECT_TRUE(fs::exists(folder_ / "journal"));
+    EXPECT_EQ(fs::exists(folder_ / "a"), flushed.size() > 3);
+    EXPECT_EQ(fs::exists(folder_ / "b"), flushed.size() > 4);
+  };
+  files.publish();
+  testing::on_flush = nullptr;
+  const fs::path real = fs::canonical(folder_.path());
+  EXPECT_THAT(flushed,
+              ::testing::ElementsAre(real / "a.partial", real / "b.partial", real / "journal", real, real));
+}
+
+TEST_F(GrowingFilesTest, ADiskThatTakesNothingLeavesTheRunAsItWas) {
+  GrowingFiles files = open(Begin::anew);
+  grow(files, 2);
+  testing::disk_fails = true;
+  const std::string fault = testing::error_of([&] { files.publish(); });
+  testing::disk_fails = false;
+  EXPECT_THAT(fault, ::testing::HasSubstr("a.partial: cannot write: Input/output error"));
+  EXPECT_FALSE(fs::exists(path("a")));
+  files.publish();
+  expect_published(2);
 }
 
 TEST_F(GrowingFilesTest, FilesCutAnywhereGoOnFromTheLastRecordThatIsWholeInAll) {

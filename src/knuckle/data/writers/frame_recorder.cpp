@@ -110,6 +110,7 @@ void write_folder_set(const fs::path& file, const fs::path& path) {
   std::error_code fault;
   fs::rename(partial, path, fault);
   if (fault) fail("{}: cannot be written: {}", path.string(), fault.message());
+  sync_folder_of(path);  // before the only other copy of the frames goes
   fs::remove(file, fault);
 }
 

@@ -10,6 +10,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/data/readers/folder_source.h"
 #include "knuckle/data/readers/h5_source.h"
+#include "knuckle/storage/flush_testing.h"
 
 namespace fs = std::filesystem;
 
@@ -188,6 +189,21 @@ TEST(FrameRecorder, WithoutAFrameThereIsNoRecording) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] { record(folder / "a.h5", {}); }), HasSubstr("a.h5: nothing was recorded"));
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(FrameRecorder, AFolderSetIsOnTheDiskUnderItsNameBeforeTheRecordingGoes) {
+  const TemporaryFolder folder;
+  const fs::path real = fs::canonical(folder.path());
+  bool is_named = false;
+  bool has_both = false;
+  testing::on_flush = [&](const fs::path& path) {
+    is_named = path == real && fs::exists(real / "b");
+    has_both = is_named && std::distance(fs::directory_iterator(real), {}) == 2;
+  };
+  EXPECT_THAT(record(real / "b", {frame_of(1), frame_of(2)}), IsEmpty());
+  testing::on_flush = nullptr;
+  EXPECT_TRUE(is_named) << "the folder of the set is handed to the disk last";
+  EXPECT_TRUE(has_both);
 }
 
 TEST(FrameRecorder, WhatWasCutShortIsFinishedLater) {
