@@ -12,8 +12,8 @@ __all__ = ["Camera", "Error", "Estimate", "Estimator", "Frame", "Hand", "HandSke
 
 __version__: str
 
-conventions: dict[str, list[str]]
-"""Names of the landmarks of each convention, in its order."""
+conventions: Mapping[str, tuple[str, ...]]
+"""Names of the landmarks of each convention, in its order; read-only."""
 
 class Error(ValueError): ...
 

@@ -28,7 +28,8 @@ PyObject* array_from(const py::object& values, py::object type, int flags) {
   });
 }
 
-/// Throws what was raised: within a TypeError, as its cause, or alone where it is none of Python's Exceptions.
+/// Throws what was raised: within a TypeError, as its cause, or alone where it is none of Python's
+/// Exceptions.
 [[noreturn]] void throw_raised(const std::string& message) {
   py::error_already_set raised;
   if (!raised.matches(PyExc_Exception)) throw raised;
@@ -48,23 +49,29 @@ bool is_rigid(const Eigen::Matrix4d& matrix) {
 
 }  // namespace
 
+bool is_masked(const py::array& array) {
+  const bool is_plain = Py_TYPE(array.ptr()) == py::detail::npy_api::get().PyArray_Type_;
+  return !is_plain && py::isinstance(array, py::module_::import("numpy.ma").attr("MaskedArray"));
+}
+
 py::array_t<double> real_numbers(const py::object& values, std::string_view what, std::string_view expected) {
   const std::string message = fmt::format("{}: expected {}", what, expected);
-  const auto array = py::reinterpret_steal<py::array>(array_from(values, py::object(), 0));
+  auto array = py::reinterpret_steal<py::array>(array_from(values, py::object(), 0));
   if (!array) throw_raised(message);
   if (array.dtype().kind() == 'c') throw py::type_error(message + ", found complex ones");
+  if (is_masked(array)) array = array.attr("astype")(py::dtype::of<double>()).attr("filled")(kNaN);
   const int as_values =
       py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_;
-  const auto numbers = py::reinterpret_steal<py::array_t<double>>(
-      array_from(array, py::dtype::of<double>(), as_values));
+  const auto numbers =
+      py::reinterpret_steal<py::array_t<double>>(array_from(array, py::dtype::of<double>(), as_values));
   if (!numbers) throw_raised(message);
   return numbers;
 }
 
 py::array_t<double> doubles(const py::object& values, const std::vector<py::ssize_t>& shape,
                             std::string_view what) {
-  const auto array = real_numbers(
-      values, what, fmt::format("numbers, an array of the shape ({})", fmt::join(shape, ", ")));
+  const auto array =
+      real_numbers(values, what, fmt::format("numbers, an array of the shape ({})", fmt::join(shape, ", ")));
   if (shape_of(array) != shape) {
     fail("{}: has the shape ({}), expected ({})", what, fmt::join(shape_of(array), ", "),
          fmt::join(shape, ", "));

@@ -14,9 +14,11 @@
 
 namespace knuckle::python {
 
-/// An array of doubles, from anything that numpy can make one of. Throws a TypeError where it cannot, with
-/// numpy's own exception as its cause, or where numbers are complex; it calls them `what` and says that
-/// `expected` was expected.
+bool is_masked(const pybind11::array& array);
+
+/// An array of doubles, NaN where a masked array (numpy.ma) is masked, from anything that numpy can make one
+/// of. Throws a TypeError where it cannot, with numpy's own exception as its cause, or where numbers are
+/// complex; it calls them `what` and says that `expected` was expected.
 pybind11::array_t<double> real_numbers(const pybind11::object& values, std::string_view what,
                                        std::string_view expected);
 

@@ -2,6 +2,7 @@
 #include "knuckle/core/camera.h"
 
 #include "bindings.h"
+#include "checked_text.h"
 
 #include <algorithm>
 #include <string>
@@ -47,7 +48,14 @@ std::array<double, 8> coefficients_from(const std::vector<double>& given) {
 
 Camera camera_from(double fx, double fy, double cx, double cy, int width, int height,
                    const std::vector<double>& distortion, const std::string& model) {
-  const Camera camera{model_from_name(model), width, height, fx, fy, cx, cy, coefficients_from(distortion)};
+  const Camera camera{model_from_name(checked_text(model, "model")),
+                      width,
+                      height,
+                      fx,
+                      fy,
+                      cx,
+                      cy,
+                      coefficients_from(distortion)};
   check(camera);
   return camera;
 }

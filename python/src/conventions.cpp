@@ -15,8 +15,9 @@ pybind11::list landmark_names(const Convention& convention) {
 void add_conventions(pybind11::module_& module) {
   pybind11::dict by_name;
   for (const Convention& convention : conventions())
-    by_name[pybind11::str(std::string(convention.name))] = landmark_names(convention);
-  module.attr("conventions") = by_name;
+    by_name[pybind11::str(std::string(convention.name))] = pybind11::tuple(landmark_names(convention));
+  // Read-only: what the library knows does not change with it.
+  module.attr("conventions") = pybind11::reinterpret_steal<pybind11::object>(PyDictProxy_New(by_name.ptr()));
 }
 
 }  // namespace knuckle::python

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "depth_array.h"
 
+#include "arrays.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -87,7 +89,7 @@ Image<float> depth_image(const py::object& depth, const Camera& camera, double u
     throw py::type_error(
         fmt::format("depth: expected a numpy array (rows, columns), found {}", type_name_of(depth)));
   }
-  const auto array = py::reinterpret_borrow<py::array>(depth);
+  auto array = py::reinterpret_borrow<py::array>(depth);
   const Copy copy = copy_for(array.dtype());
   if (copy == nullptr) {
     throw py::type_error(fmt::format("depth: expected an array of float32, float64 or uint16, found {}",
@@ -95,6 +97,7 @@ Image<float> depth_image(const py::object& depth, const Camera& camera, double u
   }
   check_shape(array, camera);
   check_unit(unit_mm);
+  if (is_masked(array)) array = array.attr("filled")(0);
   Image<float> image(camera.width, camera.height);
   copy(array, unit_mm, image);
   return image;

@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checked_text.h"
 #include "garbage_collected.h"
 
 #include <algorithm>
@@ -115,10 +116,13 @@ class FunctionEstimator final : public Estimator {
   void check_joint(const PatchPoint& joint, const Point3& place, py::ssize_t i) const {
     const std::string_view name = name_of(own_.convention.landmarks[i]);
     const double furthest = std::max({std::abs(joint.u), std::abs(joint.v), std::abs(joint.d)});
-    if (!std::isfinite(joint.u + joint.v + joint.d)) fail("the estimator's landmarks: {} is not finite", name);
+    if (!std::isfinite(joint.u + joint.v + joint.d))
+      fail("the estimator's landmarks: {} is not finite", name);
     if (furthest > kFurthest) {
-      fail("the estimator's landmarks: {} has the value {:g}, expected -1 to 1 within the patch, and at most {:g}",
-           name, furthest, kFurthest);
+      fail(
+          "the estimator's landmarks: {} has the value {:g}, expected -1 to 1 within the patch, and at most "
+          "{:g}",
+          name, furthest, kFurthest);
     }
     if (!place.allFinite() || !(place.z() > 0.0))
       fail("the estimator's landmarks: {} lies behind the camera", name);
@@ -159,11 +163,12 @@ OwnEstimator own_estimator(const py::object& function, const std::string& conven
   if (PyCallable_Check(function.ptr()) == 0) throw py::type_error("estimate: expected something to call");
   LookOptions looks{passes, sure_confidence};
   check_options(looks, "estimator");
-  PatchOptions options{.size_px = size_px, .mode = patch, .cube_mm = cube_mm};
+  PatchOptions options{.size_px = size_px, .mode = checked_text(patch, "patch"), .cube_mm = cube_mm};
   check_options(options, "estimator");
   if (!options.is_cube() && passes != 1)
     fail("estimator: passes is {}, but a patch of the hand is looked at once", passes);
-  return {function, convention_from_option(convention), options, passes, sure_confidence};
+  return {function, convention_from_option(checked_text(convention, "convention")), options, passes,
+          sure_confidence};
 }
 
 constexpr const char* kCropDoc =

@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checked_text.h"
 #include "interruptible.h"
 
 #include <filesystem>
@@ -35,7 +36,7 @@ struct OpenedTruth {
 
 OpenedTruth truth_from(const std::string& text, const std::optional<Convention>& convention,
                        const std::optional<Camera>& camera) {
-  if (names_a_source(text)) {
+  if (names_a_source(checked_text(text, "truth"))) {
     const auto source = open_source(text);
     return {truth_from_source(*source, text), source->pixel_origin()};
   }
@@ -77,10 +78,10 @@ class GivenPredictions {
                    const PoseCoordinates& coordinates)
       : convention_(convention), coordinates_(coordinates) {
     for (const auto& [key, value] : given) {
-      const std::string name = py::str(key);
+      const std::string name = checked_text(py::str(key), "predictions");
       if (py::isinstance<py::array>(value)) {
-        const auto array = real_numbers(py::reinterpret_borrow<py::object>(value), "predictions '" + name + "'",
-                                        "an array of numbers");
+        const auto array = real_numbers(py::reinterpret_borrow<py::object>(value),
+                                        "predictions '" + name + "'", "an array of numbers");
         given_.push_back(
             {name, {}, numbers_from(array, name, convention.value_or(superset_convention()), coordinates)});
       } else {
@@ -118,7 +119,9 @@ class GivenPredictions {
 /// What numbers are, as format, axes and unit say.
 PoseCoordinates coordinates_from(const std::string& format, const std::string& axes,
                                  const std::string& unit) {
-  PoseCoordinates coordinates{coordinate_kind_from_text(format), axes_from_text(axes), unit_from_text(unit)};
+  PoseCoordinates coordinates{coordinate_kind_from_text(checked_text(format, "format")),
+                              axes_from_text(checked_text(axes, "axes")),
+                              unit_from_text(checked_text(unit, "unit"))};
   if (coordinates.kind == PoseCoordinates::Kind::uvd && coordinates.axes != PoseCoordinates().axes)
     fail("axes: tells of x y z; give format=\"xyz\" too");
   return coordinates;
@@ -131,7 +134,7 @@ std::string evaluate_as_json(const std::string& truth_text, const py::dict& pred
                              const std::optional<std::filesystem::path>& landmarks, bool common,
                              const std::string& format, const std::string& axes, const std::string& unit) {
   std::optional<Convention> convention;
-  if (convention_name) convention = convention_from_option(*convention_name);
+  if (convention_name) convention = convention_from_option(checked_text(*convention_name, "convention"));
   const GivenPredictions given(predictions, convention, coordinates_from(format, axes, unit));
   if (given.empty() && boxes.empty()) fail("evaluate: nothing to score: give predictions or boxes");
   return interruptible([&] {

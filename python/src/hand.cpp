@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checked_text.h"
 #include "landmark_names.h"
 #include "side_name.h"
 
@@ -86,7 +87,7 @@ py::dict dict_of(const HandAngles& angles) {
 HandAngles angles_from(const py::dict& by_name) {
   HandAngles angles;
   for (const auto& [key, value] : by_name) {
-    const std::string name = py::str(key);
+    const std::string name = checked_text(py::str(key), "angles_rad");
     const auto angle = angle_named(name);
     if (!angle) fail("angles_rad: '{}' is no angle of a hand; HandSkeleton.limits_rad names them all", name);
     angles[*angle] = real_from(value);

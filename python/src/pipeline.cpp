@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checked_text.h"
 #include "depth_array.h"
 #include "estimator.h"
 #include "garbage_collected.h"
@@ -40,8 +41,8 @@ folder: where relative paths in it start from; None: from that of the pipelines 
 constexpr const char* kEstimateDoc = R"(The hands in one depth image.
 
 depth: (rows, columns) array of float32, float64 or uint16. Times depth_unit_mm it is the distance along z [mm];
-    what is NaN, infinite or not above 0 is not measured. Any strides and byte order; it is read once, and never
-    written.
+    what is NaN, infinite, not above 0 or masked (numpy.ma) is not measured. Any strides and byte order; it is read
+    once, and never written.
 camera: the Camera that took it, of the same size.
 start: (x, y, z) in camera coordinates [mm] near the hand, which is then returned whatever its score; None: the
     whole image is searched, and what is not sure is not found.
@@ -63,7 +64,7 @@ Pipeline with_landmarks(Pipeline pipeline, const std::optional<Path>& definition
 }
 
 HeldPipeline load(const Path& path, const std::optional<Path>& landmarks,
-              const std::optional<OwnEstimator>& own) {
+                  const std::optional<OwnEstimator>& own) {
   auto [estimator, function] = estimator_of(own);
   const WithoutLock unlocked;
   return {with_landmarks(Pipeline::load(path, std::move(estimator)), landmarks), function};
@@ -150,8 +151,7 @@ void add_pipeline(py::module_& module) {
       .def("estimate", &estimate, py::arg("depth"), py::arg("camera"), py::arg("start") = py::none(),
            py::kw_only(), py::arg("depth_unit_mm") = 1.0, kEstimateDoc)
       .def_property_readonly(
-          "convention",
-          [](const HeldPipeline& held) { return std::string(held.pipeline.convention().name); },
+          "convention", [](const HeldPipeline& held) { return std::string(held.pipeline.convention().name); },
           "Name of the convention of all poses.")
       .def_property_readonly(
           "landmark_names",
@@ -165,7 +165,8 @@ void add_pipeline(py::module_& module) {
         return fmt::format("<knuckle.Pipeline, {}>", held.pipeline.convention().name);
       });
   module.def(
-      "data_file", [](const std::string& name) { return resource_path(name); }, py::arg("name"),
+      "data_file", [](const std::string& name) { return resource_path(checked_text(name, "name")); },
+      py::arg("name"),
       "Path of a file that comes with Knuckle, for example \"pipelines/track.toml\" or "
       "\"manifests/demo.toml\".");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bindings.h"
+#include "checked_text.h"
 
 #include <filesystem>
 #include <memory>
@@ -18,7 +19,7 @@ namespace {
 
 std::shared_ptr<FrameSource> open(const std::string& text) {
   const WithoutLock unlocked;
-  return open_source(text);
+  return open_source(checked_text(text, "source"));
 }
 
 std::shared_ptr<FrameSource> open_manifest(const std::filesystem::path& path) {

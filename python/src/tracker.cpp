@@ -66,9 +66,11 @@ void add_tracker(py::module_& module) {
       .def("update", &update, py::arg("frame"),
            "List of the Hands in the next Frame, in the order of their ids. Raises knuckle.Error where its "
            "time is not "
-           "finite, or two threads call at once.")
+           "finite, or where another call has not ended: of a second thread, or of its own pipeline's "
+           "estimator.")
       .def("__reduce__", &refuse_to_pickle)
-      .def("reset", [](HeldTracker& held) { tracker_in(held).reset(); }, "Begins anew, with id 1.");
+      .def(
+          "reset", [](HeldTracker& held) { tracker_in(held).reset(); }, "Begins anew, with id 1.");
 }
 
 }  // namespace knuckle::python

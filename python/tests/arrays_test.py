@@ -68,6 +68,18 @@ class Arrays(unittest.TestCase):
         huge = np.where(self.depth > 0, self.depth, 1e300)  # beyond what float32 holds
         self.assertEqual(self.poses(huge), self.expected)
 
+    def test_what_is_masked_is_not_measured(self):
+        for kind in (np.float32, np.uint16, ">f8"):
+            whole_mm = np.rint(self.depth).astype(kind)
+            nearer = np.where(whole_mm > 0, whole_mm, 200).astype(kind)  # would be the hand, as the nearest
+            masked = np.ma.masked_array(nearer, whole_mm == 0)
+            self.assertEqual(self.poses(masked), self.poses(whole_mm), kind)
+            self.assertEqual(knuckle.Frame(masked, self.camera).depth_mm.tolist(), np.rint(self.depth).tolist())
+            self.assertEqual(masked.data.tolist(), nearer.tolist())  # nothing was written
+        self.assertEqual(self.poses(np.ma.masked_array(self.depth)), self.expected)
+        start = np.ma.masked_array([0, 0, 500], [False, True, False])
+        self.assert_refused(knuckle.Error, "start", self.depth, start=start)
+
     def test_an_image_of_nan_has_no_hand_and_says_why(self):
         estimate = self.pipeline.estimate(np.full_like(self.depth, np.nan), self.camera)
         self.assertEqual(estimate.hands, [])

@@ -61,7 +61,7 @@ class SameAsProgram(unittest.TestCase):
         estimate = knuckle.Pipeline.default().estimate(frame.depth_mm, frame.camera)
         hand, record = estimate.hands[0], json.loads(estimate.to_json())["hands"][0]
         self.assertEqual(list(record["landmarks_mm"]), hand.landmark_names)
-        self.assertEqual(hand.landmark_names, knuckle.conventions[hand.convention])
+        self.assertEqual(hand.landmark_names, list(knuckle.conventions[hand.convention]))
         np.testing.assert_allclose(hand.landmarks_mm, list(record["landmarks_mm"].values()), atol=0.0005)
         np.testing.assert_allclose(hand.landmarks_px, list(record["landmarks_px"].values()), atol=0.0005)
         np.testing.assert_allclose(hand.confidence, list(record["confidence"].values()), atol=0.00005)

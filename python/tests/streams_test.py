@@ -101,6 +101,25 @@ class Streams(unittest.TestCase):
             next(stream)
         thread.join()
 
+    def test_close_ends_the_waiting_of_another_thread(self):
+        stream = knuckle.open_stream(f"synthetic:{DEMO}?rate=0.01")
+        next(stream)
+        other = knuckle.open_stream(f"synthetic:{DEMO}?rate=2")
+        next(other)
+        came, of_other = [], []
+        threads = [threading.Thread(target=lambda: came.extend(stream)), threading.Thread(target=lambda: of_other.append(next(other)))]
+        for thread in threads:
+            thread.start()
+        time.sleep(0.1)
+        self.assertEqual(stream.lost_frames, 0)  # does not wait either
+        stream.close()
+        for thread in threads:
+            thread.join(20)
+            self.assertFalse(thread.is_alive())
+        self.assertEqual(came, [])
+        self.assertEqual(len(of_other), 1)  # all other work goes on
+        self.assertEqual(list(stream), [])
+
     def test_control_c_ends_the_waiting(self):
         program = subprocess.Popen([sys.executable, "-c", WAITING.format(manifest=DEMO)], stdout=subprocess.PIPE, text=True)
         self.assertEqual(program.stdout.readline(), "begun\n")

@@ -39,6 +39,15 @@ class Stubs(unittest.TestCase):
         for name in knuckle.__all__:
             self.assertTrue(hasattr(knuckle, name), name)
 
+    def test_conventions_cannot_be_changed(self):
+        self.assertEqual(len(knuckle.conventions["knuckle22"]), 22)
+        for change in (lambda: knuckle.conventions.clear(), lambda: knuckle.conventions["knuckle22"].clear(),
+                       lambda: knuckle.conventions.pop("knuckle22")):
+            with self.assertRaises(AttributeError):
+                change()
+        with self.assertRaises(TypeError):
+            knuckle.conventions["knuckle22"] = ()
+
     def test_members_are_those_of_the_classes(self):
         for node in STUB.body:
             if not isinstance(node, ast.ClassDef) or node.name == "Error":

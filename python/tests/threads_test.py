@@ -6,6 +6,8 @@ import threading
 import time
 import unittest
 
+import numpy as np
+
 import knuckle
 from testing import SMALL_PIPELINE, demo_frames, poses_of
 
@@ -65,6 +67,21 @@ class Threads(unittest.TestCase):
             thread.join()
         self.assertTrue(faults)
         self.assertEqual(set(faults), {"tracker: two threads use it at once; each needs its own"})
+
+    def test_an_estimator_that_calls_its_tracker(self):
+        frame, faults = demo_frames()[3], []
+
+        def again(patch):
+            try:
+                tracker.update(frame)
+            except knuckle.Error as error:
+                faults.append(str(error))
+            return np.full((22, 3), 0.1 * float(patch.min()))
+
+        tracker = knuckle.Tracker(knuckle.Pipeline.from_toml('[segmentation]\nmethod = "threshold"\n',
+                                                             estimator=knuckle.Estimator(again, "knuckle22")))
+        tracker.update(frame)
+        self.assertEqual(set(faults), {"tracker: is called by its own pipeline's estimator, before it has done with the last frame"})
 
 
 if __name__ == "__main__":

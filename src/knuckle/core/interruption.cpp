@@ -3,12 +3,16 @@
 
 #include <atomic>
 #include <csignal>
+#include <utility>
+
+#include "knuckle/core/interrupted_by.h"
 
 namespace knuckle {
 namespace {
 
 std::atomic<bool> was_asked_to_end = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
+thread_local const std::atomic<bool>* own_end = nullptr;
 
 /// The second signal is left to the system, which ends the program as if nobody watched.
 extern "C" void on_interruption(int signal_number) {
@@ -36,7 +40,14 @@ void watch_for_interruption() {
 }
 
 bool is_interrupted() {
-  return was_asked_to_end;
+  return was_asked_to_end || (own_end != nullptr && *own_end);
+}
+
+InterruptedBy::InterruptedBy(const std::atomic<bool>& is_ended)
+    : before_(std::exchange(own_end, &is_ended)) {}
+
+InterruptedBy::~InterruptedBy() {
+  own_end = before_;
 }
 
 void set_interrupted(bool interrupted) {

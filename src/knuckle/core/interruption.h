@@ -17,8 +17,8 @@ class Interrupted : public std::runtime_error {
 /// programs; the library never calls it.
 void watch_for_interruption();
 
-/// Whether the program was asked to end. `parallel_for` and `run_in_order` look at it before each item, other
-/// long loops by themselves. Safe to call from any thread.
+/// Whether the program was asked to end, or this thread's work was (InterruptedBy). `parallel_for` and
+/// `run_in_order` look at it before each item, other long loops by themselves. Safe to call from any thread.
 bool is_interrupted();
 
 /// Asks the running work to end, as Ctrl-C does, or takes that back (false). Safe to call from any thread and

@@ -3,9 +3,11 @@
 
 #include <atomic>
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 
+#include "knuckle/core/interrupted_by.h"
 #include "knuckle/core/ordered_work.h"
 #include "knuckle/core/parallel.h"
 
@@ -29,6 +31,21 @@ TEST_F(InterruptionTest, ParallelWorkEndsWhereItIsAskedTo) {
   EXPECT_THROW(end_if_interrupted(), Interrupted);
   set_interrupted(false);
   EXPECT_NO_THROW(parallel_for(10, [](std::int64_t) {}));
+}
+
+TEST_F(InterruptionTest, OneThreadsWorkEndsByItself) {
+  std::atomic<bool> is_ended = false;
+  const InterruptedBy own(is_ended);
+  EXPECT_FALSE(is_interrupted());
+  is_ended = true;
+  EXPECT_THROW(end_if_interrupted(), Interrupted);
+  std::thread([] { EXPECT_FALSE(is_interrupted()) << "that of others goes on"; }).join();
+  const std::atomic<bool> is_inner_ended = false;
+  {
+    const InterruptedBy inner(is_inner_ended);
+    EXPECT_FALSE(is_interrupted());
+  }
+  EXPECT_TRUE(is_interrupted());
 }
 
 TEST_F(InterruptionTest, OrderedWorkHandsOverWhatWasBegunAndThenEnds) {

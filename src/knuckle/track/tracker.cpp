@@ -51,19 +51,27 @@ Point3 middle_of(const HandEstimate& hand, const Frame& frame) {
   return Projection(frame.camera).to_camera(mean_joint(hand.pose));
 }
 
-/// Lets one thread in at a time.
+/// Lets one thread in at a time, and that once.
 class Turnstile {
  public:
-  explicit Turnstile(std::atomic_flag& is_busy) : is_busy_(is_busy) {
-    if (is_busy_.test_and_set()) fail("tracker: two threads use it at once; each needs its own");
+  explicit Turnstile(std::atomic<std::thread::id>& user) : user_(user) {
+    std::thread::id before;
+    if (user_.compare_exchange_strong(before, std::this_thread::get_id())) return;
+    if (before == std::this_thread::get_id())
+      fail("tracker: is called by its own pipeline's estimator, before it has done with the last frame");
+    fail("tracker: two threads use it at once; each needs its own");
   }
-  ~Turnstile() { is_busy_.clear(); }
+  ~Turnstile() { user_ = std::thread::id(); }
   Turnstile(const Turnstile&) = delete;
   Turnstile& operator=(const Turnstile&) = delete;
 
  private:
-  std::atomic_flag& is_busy_;
+  std::atomic<std::thread::id>& user_;
 };
+
+std::string words_for(const Frame& frame) {
+  return frame.name.empty() ? "a frame" : "frame " + frame.name;
+}
 
 }  // namespace
 
@@ -75,7 +83,7 @@ Tracker::Tracker(const Pipeline& pipeline, const TrackerOptions& options)
 Tracker::~Tracker() = default;
 
 std::vector<TrackedHand> Tracker::update(const Frame& frame) {
-  const Turnstile turnstile(is_busy_);
+  const Turnstile turnstile(user_);
   step_to(frame);
   follow(frame);
   look_for_more(frame);
@@ -84,7 +92,7 @@ std::vector<TrackedHand> Tracker::update(const Frame& frame) {
 }
 
 void Tracker::reset() {
-  const Turnstile turnstile(is_busy_);
+  const Turnstile turnstile(user_);
   tracks_.clear();
   next_id_ = 1;
   now_s_.reset();
@@ -94,7 +102,7 @@ void Tracker::reset() {
 /// Takes the frame's time; forgets all hands where it does not follow the last one's.
 void Tracker::step_to(const Frame& frame) {
   if (frame.time_s && !std::isfinite(*frame.time_s)) {
-    fail("tracker: frame {} has a time that is not finite", frame.name);
+    fail("tracker: {} has a time that is not finite", words_for(frame));
   }
   const double time_s = frame.time_s.value_or(now_s_.value_or(0.0) + kDefaultStepSeconds);
   const double step_s = now_s_ ? time_s - *now_s_ : 0.0;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "knuckle/core/frame.h"
@@ -42,8 +43,8 @@ struct TrackedHand {
 ///
 /// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes
 /// back, stands still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten:
-/// ids go on, though. Called by one thread at a time: a second one gets an Error. The pipeline has to live as
-/// long.
+/// ids go on, though. Called by one thread at a time: a second one gets an Error, as does an estimator that
+/// calls it. The pipeline has to live as long.
 class Tracker {
  public:
   /// Throws an Error where an option is out of range.
@@ -53,7 +54,7 @@ class Tracker {
   Tracker& operator=(const Tracker&) = delete;
 
   /// The hands in the next frame, in the order of their ids. Throws an Error where the time is not finite, or
-  /// two threads call at once.
+  /// another call has not ended.
   std::vector<TrackedHand> update(const Frame& frame);
   /// Begins anew, with id 1.
   void reset();
@@ -83,7 +84,7 @@ class Tracker {
   std::optional<double> now_s_;       // of the last frame
   std::optional<double> searched_s_;  // when all of a frame was searched last
   int sequence_ = 0;
-  std::atomic_flag is_busy_ = ATOMIC_FLAG_INIT;
+  std::atomic<std::thread::id> user_{};  // none while nobody calls
 };
 
 }  // namespace knuckle

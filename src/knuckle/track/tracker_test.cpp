@@ -171,7 +171,12 @@ TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
   Frame other = frame_at(3609.03);
   other.sequence = 1;
   EXPECT_EQ(tracker.update(other).at(0).id, 6) << "another sequence";
-  EXPECT_THAT(error_of([&] { tracker.update(frame_at(std::nan(""))); }), HasSubstr("not finite"));
+  Frame untimed = frame_at(std::nan(""));
+  untimed.name = "000012";
+  EXPECT_THAT(error_of([&] { tracker.update(untimed); }),
+              HasSubstr("tracker: frame 000012 has a time that is not finite"));
+  untimed.name = "";
+  EXPECT_THAT(error_of([&] { tracker.update(untimed); }), HasSubstr("tracker: a frame has a time"));
   tracker.reset();
   EXPECT_EQ(tracker.update(frame_at(1.0)).at(0).id, 1);
   Frame timeless = frame_at(0.0);
@@ -251,6 +256,16 @@ TEST_F(TrackerTest, ASecondThreadGetsAnError) {
   EXPECT_THAT(error, HasSubstr("two threads"));
   world_.while_searching = [] {};
   EXPECT_EQ(tracker.update(frame_at(0.1)).size(), 1u) << "and does no harm";
+}
+
+TEST_F(TrackerTest, AnEstimatorThatCallsItGetsAnError) {
+  const Pipeline one = pipeline(1);
+  Tracker tracker(one, {});
+  std::string error;
+  world_.while_searching = [&] { error = error_of([&] { tracker.update(frame_at(0.1)); }); };
+  world_.hands = {{}};
+  EXPECT_EQ(tracker.update(frame_at(0.0)).size(), 1u);
+  EXPECT_THAT(error, HasSubstr("own pipeline's estimator"));
 }
 
 TEST_F(TrackerTest, OptionsOutOfRangeAreRefused) {
