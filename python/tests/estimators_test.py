@@ -152,6 +152,51 @@ class Estimators(unittest.TestCase):
         with self.assertRaises(ZeroDivisionError):
             knuckle.Tracker(pipeline_of(broken)).update(knuckle.Frame(self.frame.depth_mm, self.frame.camera, time_s=0.0))
 
+    def test_all_kinds_of_exceptions_are_raised(self):
+        """Also what `except Exception` does not catch; the pipeline works on."""
+        frame = knuckle.Frame(self.frame.depth_mm, self.frame.camera, time_s=0.0)
+        for fault in (KeyboardInterrupt("stop"), SystemExit(3), GeneratorExit(), StopIteration("x"), MemoryError(), RecursionError("deep"),
+                      BaseException("base"), UnicodeDecodeError("utf8", b"\xff", 0, 1, "bad"), knuckle.Error("mine")):
+            faults = [fault]
+
+            def look(patch, faults=faults):
+                if faults:
+                    raise faults.pop()
+                return middle(patch)
+
+            pipeline = pipeline_of(look)
+            for ask in (lambda: self.estimate(pipeline), lambda: knuckle.Tracker(pipeline).update(frame)):
+                faults[:] = [fault]
+                with self.assertRaises(type(fault)) as caught:
+                    ask()
+                self.assertIs(caught.exception, fault)
+                self.assertEqual(len(self.estimate(pipeline).hands), 1)
+
+    def test_exceptions_of_four_threads_at_once(self):
+        """Each thread gets its own."""
+        at_once, seen = threading.Barrier(4), []
+
+        def broken(patch):
+            del patch
+            at_once.wait(30)
+            raise KeyError(threading.get_ident())
+
+        pipeline = pipeline_of(broken)
+
+        def ask():
+            for _ in range(25):
+                try:
+                    self.estimate(pipeline)
+                except KeyError as error:
+                    seen.append(error.args == (threading.get_ident(),))
+
+        threads = [threading.Thread(target=ask) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(seen, [True] * 100)
+
     def test_answers_that_are_none(self):
         nan = middle(None)
         nan[3, 1] = np.nan

@@ -71,6 +71,10 @@ class Notebooks(unittest.TestCase):
     def test_train_a_network(self):
         output, names = self.run_notebook("train_a_network.ipynb", ("FRAMES = 1500", "FRAMES = 128"), ("EPOCHS = 8", "EPOCHS = 6"),
                                           ('f"synthetic:{TEST}"', 'f"synthetic:{TEST}?count=6"'), needs=("matplotlib", "torch"))
+        self.assertEqual(names["rendered"].num_workers, 2)
+        for number in (0, 77, 127):  # the workers' frames, in order
+            for kept, again in zip(names["samples"][number], names["RenderedHands"]()[number]):
+                self.assertTrue(kept.equal(again))
         losses = names["losses"]
         self.assertLess(sum(losses[-4:]), 0.7 * sum(losses[:4]))
         self.assertRegex(output, r"mine: \d+\.\d mm\ndefault: \d+\.\d mm\n")

@@ -4,6 +4,7 @@
 import base64
 import csv
 import hashlib
+import importlib.util
 import io
 import os
 import pathlib
@@ -69,6 +70,27 @@ class Wheel(unittest.TestCase):
         for path in (file, models, *libraries):
             self.assertTrue(path.startswith(f"{place}/knuckle/"), path)
         self.assertEqual(len(libraries), 2)
+        self.assertEqual(version, build_backend.version())
+
+    def test_pip_installs_it_into_a_fresh_environment(self):
+        """As docs/python.md says; offline."""
+        for module in ("venv", "ensurepip"):
+            if importlib.util.find_spec(module) is None:
+                self.skipTest(f"{module} is missing")
+        place = (self.folder / "environment").resolve()
+        environment = {name: value for name, value in os.environ.items() if not name.startswith(("KNUCKLE_", "PYTHONPATH", "PIP_"))}
+
+        def run(*command):
+            ran = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True, check=False)
+            self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+            return ran.stdout.splitlines()
+
+        run(sys.executable, "-m", "venv", "--system-site-packages", place)
+        run(place / "bin/pip", "install", "--no-index", "--no-cache-dir", "--config-settings", f"build-folder={os.environ['KNUCKLE_BUILD']}",
+            PROJECT)
+        file, models, version, *libraries = run(place / "bin/python", "-c", USE)
+        for path in (file, models, *libraries):
+            self.assertTrue(path.startswith(f"{place}/lib/"), path)
         self.assertEqual(version, build_backend.version())
 
     def test_it_can_ask_for_cameras(self):
