@@ -171,11 +171,12 @@ TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
   Frame other = frame_at(3609.03);
   other.sequence = 1;
   EXPECT_EQ(tracker.update(other).at(0).id, 6) << "another sequence";
-  EXPECT_THAT(error_of([&] { tracker.update(frame_at(std::nan(""))); }),
-              HasSubstr("tracker: a frame has a time that is not finite"));
-  Frame named = frame_at(std::nan(""));
-  named.name = "000012";
-  EXPECT_THAT(error_of([&] { tracker.update(named); }), HasSubstr("tracker: frame 000012 has"));
+  Frame untimed = frame_at(std::nan(""));
+  untimed.name = "000012";
+  EXPECT_THAT(error_of([&] { tracker.update(untimed); }),
+              HasSubstr("tracker: frame 000012 has a time that is not finite"));
+  untimed.name = "";
+  EXPECT_THAT(error_of([&] { tracker.update(untimed); }), HasSubstr("tracker: a frame has a time"));
   tracker.reset();
   EXPECT_EQ(tracker.update(frame_at(1.0)).at(0).id, 1);
   Frame timeless = frame_at(0.0);
