@@ -46,11 +46,21 @@ trees = {trees}
 """
 
 
+def content_of(path):
+    """A file, without what may be another each time: the command line in resolved options, the speed in the metrics of a training."""
+    if path.name.endswith(".options.toml"):
+        return path.read_text().partition("\n")[2]
+    if path.name.endswith(".metrics.csv"):
+        return [line.split(",")[:-2] for line in path.read_text().splitlines()]
+    return path.read_bytes()
+
+
 class Job:
     """Commands one after another, and the files that come of them."""
 
     def __init__(self, place, who, results, commands):
-        self.place, self.who, self.results, self.commands = place, who, results, commands
+        self.place, self.who, self.commands = place, who, commands
+        self.results = results  # names of files that have to be the same
         self.chance = random.Random(f"{place.seed} {who}")
         self.whole = place.folder / "whole" / who
         self.seconds = 0.0
@@ -117,18 +127,20 @@ class Job:
         self.place.log.count(self.who, "rounds")
         for name in self.results:
             self.place.log.count(self.who, "comparisons")
-            ours = folder / name
-            if not ours.exists():
-                self.place.log.broken(self.who, f"round {rounds}: {name} is lost")
-            elif ours.read_bytes() != (self.whole / name).read_bytes():
-                self.place.log.count(self.who, "differences")
-                self.place.log.broken(self.who, f"round {rounds}: {name} is another than undisturbed")
-                shutil.copy(ours, self.place.folder / f"{self.who}-{rounds}-{name}")
+            if not (folder / name).exists():
+                self.differs(rounds, name, "is lost")
+            elif content_of(folder / name) != content_of(self.whole / name):
+                self.differs(rounds, name, "is another than undisturbed")
+                shutil.copy(folder / name, self.place.folder / f"{self.who}-{rounds}-{name}")
         expected = {path.relative_to(self.whole) for path in self.whole.rglob("*")}
         left = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.relative_to(folder) not in expected)
         self.place.log.count(self.who, "left by kills", len(left))
         if left and not was_killed:
             self.place.log.broken(self.who, f"round {rounds}: {left} were left over, and nothing was killed")
+
+    def differs(self, rounds, name, how):
+        self.place.log.count(self.who, "differences")
+        self.place.log.broken(self.who, f"round {rounds}: {name} {how}")
 
 
 def render_job(place, manifest, count):
@@ -139,7 +151,7 @@ def render_job(place, manifest, count):
                   for i, part in enumerate(parts)]
         return [*render, ["join", *parts, "--out", folder / "set.h5"]]
 
-    return Job(place, "render", ["part-0.h5", "part-1.h5", "set.h5"], commands)
+    return Job(place, "render", ["part-0.h5", "part-0.h5.options.toml", "part-1.h5", "part-1.h5.options.toml", "set.h5"], commands)
 
 
 def estimate_job(place, manifest, count):
@@ -147,7 +159,7 @@ def estimate_job(place, manifest, count):
         return [["estimate", "--source", f"synthetic:{manifest}?count={count}", "--out", folder / "poses.txt", "--records", folder / "poses.jsonl",
                  "--resume", "--threads", "1"]]
 
-    return Job(place, "estimate", ["poses.txt", "poses.jsonl"], commands)
+    return Job(place, "estimate", ["poses.txt", "poses.txt.options.toml", "poses.jsonl"], commands)
 
 
 def network_job(place, manifest, epochs):
@@ -161,7 +173,7 @@ def network_job(place, manifest, epochs):
         return [["train", "network", "--config", config, "--out", out, "--cache", folder / "cache", "--threads", "1", "--workers",
                  "2" if chance.random() < 0.25 else "1", *resume]]
 
-    return Job(place, "train-network", ["net.pt"], commands)
+    return Job(place, "train-network", ["net.pt", "net.pt.metrics.csv", "net.pt.options.toml"], commands)
 
 
 def forest_job(place, manifest, trees):
@@ -171,7 +183,7 @@ def forest_job(place, manifest, trees):
     def commands(folder, _):
         return [["train", "pose-forest", "--config", config, "--out", folder / "forest.model", "--resume", "--threads", "1"]]
 
-    return Job(place, "train-forest", ["forest.model"], commands)
+    return Job(place, "train-forest", ["forest.model", "forest.model.options.toml"], commands)
 
 
 class LongEstimate:

@@ -57,10 +57,13 @@ TEST_F(ShardsTest, PartsMakeTheBytesOfTheWholeThoughOneIsKilled) {
     ASSERT_THAT(run_program(rendering(number, kCount)), Succeeded());
   }
   const fs::file_time_type written = fs::last_write_time(part(1));
+  const std::string options = part(1) + ".options.toml";
+  ASSERT_TRUE(fs::remove(options)) << "as where it was stopped just before";
   const ProgramRun again = run_program(rendering(1, kCount));
   ASSERT_THAT(again, Succeeded());
   EXPECT_THAT(again.out, HasSubstr("was there"));
   EXPECT_EQ(fs::last_write_time(part(1)), written);
+  EXPECT_TRUE(fs::exists(options)) << "what is missing beside a part is made";
 
   const ProgramRun joined = join(kCount);
   ASSERT_THAT(joined, Succeeded());

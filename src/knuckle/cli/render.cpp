@@ -75,13 +75,9 @@ FrameWriterOptions writer_options(const RenderArguments& arguments, const IndexR
   return options;
 }
 
-void write_frames(const RenderArguments& arguments, const FrameSource& source,
-                  const FrameWriterOptions& options) {
+void write_set(const RenderArguments& arguments, const FrameSource& source,
+               const FrameWriterOptions& options) {
   const std::int64_t count = options.count;
-  if (is_part_finished(arguments.out, options)) {
-    fmt::print("{} frames: {} (was there, and is whole)\n", count, printable(arguments.out.string()));
-    return;
-  }
   const auto writer = create_frame_writer(arguments.format, arguments.out, options);
   Progress progress("render", "frames", count);
   std::atomic<std::int64_t> done = 0;
@@ -96,8 +92,16 @@ void write_frames(const RenderArguments& arguments, const FrameSource& source,
     throw Interrupted(interruption_of(arguments, done, count));
   }
   writer->finish();
+}
+
+void write_frames(const RenderArguments& arguments, const FrameSource& source,
+                  const FrameWriterOptions& options) {
+  const bool was_there = is_part_finished(arguments.out, options);
+  if (!was_there) write_set(arguments, source, options);
+  // Also beside a part that was there: the run that made it may have been stopped before it wrote them.
   write_resolved_options(arguments.out, load_manifest(arguments.manifest).resolved);
-  fmt::print("{} frames: {}\n", count, printable(arguments.out.string()));
+  fmt::print("{} frames: {}{}\n", options.count, printable(arguments.out.string()),
+             was_there ? " (was there, and is whole)" : "");
 }
 
 void run_render(const RenderArguments& arguments) {

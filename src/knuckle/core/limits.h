@@ -45,7 +45,7 @@ inline constexpr std::int64_t kUnpackedTimes = 100;
 inline constexpr std::int64_t kRecordedMessages = std::int64_t{1}
                                                   << 22;  ///< of images and cameras in a recording
 inline constexpr std::int64_t kRecordingElements = std::int64_t{1}
-                                                   << 24;  ///< of a recording that is made of elements
+                                                   << 23;  ///< of a recording that is made of elements
 inline constexpr std::size_t kRecordingTags = 4096;        ///< of tags, and of files within a recording
 inline constexpr std::size_t kTracks = 256;                ///< of a recording
 inline constexpr int kConnections = 16384;                 ///< of topics and publishers in a recording

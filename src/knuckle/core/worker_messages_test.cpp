@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/core/worker_messages.h"
 
+#include <array>
+#include <span>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/core/worker_group_testing.h"
 
@@ -17,10 +20,9 @@ class AnnouncingWorkers final : public WorkerGroup {
   int rank() const override { return 0; }
   int size() const override { return 2; }
   std::vector<std::byte> exchange(Messages, const std::vector<std::int64_t>&) override {
-    std::vector<std::byte> received;
-    append_value(received, std::int64_t{0});
-    append_value(received, announced_);
-    return received;
+    const std::array<std::int64_t, 2> lengths{0, announced_};
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(lengths));
+    return {bytes.begin(), bytes.end()};
   }
   double seconds_in_exchange() const override { return 0.0; }
   std::int64_t bytes_sent() const override { return 0; }
