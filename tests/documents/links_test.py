@@ -12,7 +12,7 @@ PATH = re.compile(r"`((?:[a-z_.][\w.-]*/)+[\w.-]+\.(?:md|toml|sh|py|cpp|h|cmake|
 # `synth/sensor/`, as the table of docs/ARCHITECTURE.md says where a change belongs.
 FOLDER = re.compile(r"`((?:[a-z_]+/)+)`")
 # Made by a command, or a file of the user's or of a data set.
-NOT_OURS = re.compile(r"^(report|figures|build|depth|infrared|mask|my_set|samples|share|tables|timings)/")
+NOT_OURS = re.compile(r"^(report|figures|build|depth|infrared|logs|mask|my_set|samples|share|tables|timings)/")
 LANGUAGES = {"sh", "toml", "cpp", "python", "diff", ""}
 
 
