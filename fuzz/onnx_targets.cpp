@@ -3,11 +3,13 @@
 #include "fuzz_target.h"
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "knuckle/core/landmarks.h"
 #include "knuckle/estimate/exported_estimator.h"
 #include "knuckle/estimate/foreign_estimator.h"
 #include "knuckle/net/exported_network.h"
@@ -46,7 +48,8 @@ std::unique_ptr<Estimator> estimator_of(const OnnxModel& model) {
   if (network)
     return std::make_unique<ExportedEstimator>(std::move(file), *network, NetworkEstimatorOptions{});
   const bool maps = file.outputs().size() > 1;
-  ForeignNetworkOptions options{.gives = maps ? "heat_maps" : "xyz"};
+  ForeignNetworkOptions options;
+  options.gives = maps ? "heat_maps" : "xyz";
   if (maps) options.landmarks_output = file.outputs().front().name;
   return std::make_unique<ForeignEstimator>(std::move(file), convention_from_name("icg20"), options, 1);
 }

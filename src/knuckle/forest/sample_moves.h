@@ -46,6 +46,10 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
   std::vector<std::vector<std::size_t>> leaving(count);
   std::int64_t bytes = 0;
   for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (places[i] < cuts.front() || places[i] >= cuts.back()) {  // one may have come with a sample
+      fail("a worker's message: a sample with place {}, expected [{}, {})", places[i], cuts.front(),
+           cuts.back());
+    }
     const auto target = static_cast<std::size_t>(worker_of_place(cuts, places[i]));
     if (target == rank) {
       arranged[static_cast<std::size_t>(places[i] - begin)] = slots[i];

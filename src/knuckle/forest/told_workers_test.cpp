@@ -83,6 +83,16 @@ TEST(ToldWorkers, ASampleThatIsNotSentIsMissed) {
   EXPECT_THAT(error_of([&] { moved(boasts); }), HasSubstr("a worker says that it sends"));
 }
 
+TEST(ToldWorkers, ASampleOfAPlaceThatIsNoWorkersIsRefused) {
+  Slots slots;
+  const std::array<std::int64_t, 3> cuts{0, 2, 3};
+  for (const std::int64_t place : {std::int64_t{-1}, std::int64_t{3}}) {
+    ToldWorkers workers({});
+    EXPECT_THAT(error_of([&] { moved_to_places(workers, slots, std::array{7U}, std::array{place}, cuts); }),
+                HasSubstr("a sample with place"));
+  }
+}
+
 TEST(ToldWorkers, MoreSamplesOfAClassThanALeafHasAreRefused) {
   const std::array<std::uint32_t, 1> own{0};
   const SharedLeaf leaf{own, {.first = 0, .total = 2, .before = 0, .holder = NodeShare::kSeveral}};
