@@ -499,7 +499,7 @@ TEST(H5, WithoutAFrameItIsRefused) {
 TEST(H5, OfMoreFramesThanAFileOfItsSizeCanHoldIsRefused) {
   const testing::TemporaryFolder folder;
   const fs::path path = folder / "a.h5";
-  constexpr std::uint64_t kFrames = 200'000;
+  constexpr std::uint64_t kManyFrames = 200'000;
   Camera camera = small_camera();
   camera.width = camera.height = 1;
   Hdf5Writer file = Hdf5Writer::create(path);
@@ -509,8 +509,8 @@ TEST(H5, OfMoreFramesThanAFileOfItsSizeCanHoldIsRefused) {
   file.set_attribute("first_index", 0);
   file.set_attribute("depth_unit_mm", 0.1);
   write_camera(file, camera);
-  const std::vector<std::uint16_t> depth(kFrames, 0);
-  file.write(kH5Depth, {kFrames, 1, 1}, depth.data(), {kFrames, 9});
+  const std::vector<std::uint16_t> depth(kManyFrames, 0);
+  file.write(kH5Depth, {kManyFrames, 1, 1}, depth.data(), {kManyFrames, 9});
   file.close();
   EXPECT_THAT(
       error_of_h5_set(path),
