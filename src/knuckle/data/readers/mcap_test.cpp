@@ -385,7 +385,7 @@ TEST_F(McapTest, ChunksThatUnpackToFarMoreThanTheFileAreNotLookedThrough) {
   }
   EXPECT_THAT(fault(mcap), HasSubstr("bytes, expected")) << "each is unpacked, and is not as long as it says";
   mcap.add(kMcapDepth, kMcapImage, 4, image_of({}, 4));
-  EXPECT_THAT(fault(mcap), AllOf(HasSubstr("a.mcap: has no index, and unpacks to more than 10737"),
+  EXPECT_THAT(fault(mcap), AllOf(HasSubstr("a.mcap: has no index, and unpacks to more than 10738"),
                                  HasSubstr("'mcap recover'")));
 }
 

@@ -8,6 +8,7 @@
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/text_file.h"
+#include "knuckle/storage/file_io.h"
 #include "knuckle/storage/hdf5/hdf5_file.h"
 #include "knuckle/storage/hdf5/hdf5_writer.h"
 
