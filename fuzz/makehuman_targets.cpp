@@ -17,9 +17,9 @@ void write_targets(const FuzzFolder& folder, std::size_t vertices) {
   std::string list;
   const std::vector<std::string> names = person_target_names();
   for (const std::string& name : names) {
-    list += (list.empty() ? "" : ",") + ("\"data/targets/" + name + ".target\": {}");
+    list += fmt::format("{}\"data/targets/{}.target\": {{}}", list.empty() ? "" : ",", name);
   }
-  folder.write("src/json/targets/target-list.json", "{\"targets\": {" + list + "}}");
+  folder.write("src/json/targets/target-list.json", fmt::format("{{\"targets\": {{{}}}}}", list));
   folder.write("public/data/targets/targets.bin",
                std::string(names.size() * vertices * 3 * sizeof(std::int16_t), '\0'));
 }

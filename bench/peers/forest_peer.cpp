@@ -100,6 +100,7 @@ class TableFeatures {
     std::ranges::copy(block.columns[candidate], values);
   }
   static std::uint16_t feature(const Block& block, std::uint16_t candidate) { return block.drawn[candidate]; }
+  static bool can_read(std::uint16_t /*feature*/) { return true; }  // all are drawn here
   std::int16_t value(std::uint32_t sample, std::uint16_t feature) const {
     return table_->at(sample, feature);
   }
