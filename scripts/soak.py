@@ -179,6 +179,7 @@ def main():
     if os.environ.get("KNUCKLE_SOAK_NAME_SPACE") != "own":
         enter_own_name_space()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it, and hand that on
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("soak: ended early"))  # and with it all that it has started
     program = arguments.program.resolve()
     require_whole_program(program)
     kept = arguments.folder

@@ -10,6 +10,7 @@ import subprocess
 import threading
 import time
 
+PROPER_LINE = r"knuckle: |warning: |view: |annotate: |step \d|[a-z -]+: \d+ of \d+ "  # errors, warnings, addresses, progress
 LONGEST_S = 300.0  # that a program may take to end once it is asked to
 
 
@@ -177,7 +178,7 @@ class Started:
     def judge(self, status):
         lines = self.said().splitlines()
         errors = [line for line in lines if line.startswith("knuckle: ")]
-        foreign = [line for line in lines if not re.match(r"knuckle: |warning: |view: |annotate: |step \d|tree \d|\S+: \d", line)]
+        foreign = [line for line in lines if not re.match(PROPER_LINE, line)]
         if foreign:
             self.broken(f"said what is neither an error nor a warning: {foreign[0]!r}")
         if status == 0:
