@@ -291,6 +291,44 @@ test("a hand is labelled from nothing, by clicks", { skip }, async () => {
   assert.deepEqual(page.faults, []);
 });
 
+/** Pixels of the hand that are seen in the points as well, spread over it: those that a click there finds. */
+function seenInPoints(page, joints) {
+  return page.evaluate((pixels) => pixels.map((pixel) => {
+    const { camera } = globalThis.knuckle.header();
+    const depth_mm = globalThis.knuckle.depth_mm(...pixel);
+    const at = depth_mm > 0 ? [((pixel[0] - camera.cx) / camera.fx) * depth_mm, ((pixel[1] - camera.cy) / camera.fy) * depth_mm, depth_mm] : null;
+    return { pixel, depth_mm, at: at && globalThis.knuckle.cloudAt(at) };
+  }).filter(({ at }) => at !== null), joints.map((joint) => joint.slice(0, 2).map(Math.round)));
+}
+
+test("a click on a measured point places the landmark that is chosen, labelled or not; a drag there turns", { skip }, async () => {
+  const { address, file } = await annotate({ prelabel: false });
+  const page = await pageAt(address);
+  await page.keyboard.press("1");
+  await quiet(page);
+  const { pixel, depth_mm, at } = (await seenInPoints(page, truth[0].filter(Boolean)))[0];
+  const box = await page.locator("#cloud").boundingBox();
+  await page.mouse.click(box.x + at[0], box.y + at[1]);
+  await quiet(page);
+  const { labels, hands } = await shown(page);
+  assert.equal(labels[0].landmarks.wrist.state, "corrected", "it was not labelled before");
+  const placed = hands[0].landmarks_px.wrist;
+  assert.ok(Math.hypot(placed[0] - pixel[0], placed[1] - pixel[1]) < 3, `${placed}, clicked on ${pixel}`);
+  const below_mm = hands[0].landmarks_mm.wrist[2] - depth_mm;
+  assert.ok(below_mm > 2 && below_mm < 60, `${below_mm} mm below the skin`);
+  assert.equal(linesOf(file).at(-1).act, "correct");
+  const lines = linesOf(file).length;
+  await page.mouse.move(box.x + 12, box.y + 12);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 60, box.y + 12, { steps: 4 });
+  await page.mouse.up();
+  await page.keyboard.press("b");
+  await page.mouse.click(box.x + at[0], box.y + at[1]);
+  await quiet(page);
+  assert.equal(linesOf(file).length, lines, "neither turning, nor a click with the brush");
+  assert.deepEqual(page.faults, []);
+});
+
 test("killed at random while labels change: no accepted change is lost", { skip }, async () => {
   const labels = "killed";
   let accepted = 0;
