@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page for labelling before the real `knuckle annotate`. $KNUCKLE_PROGRAM is the program.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { readFileSync, readdirSync, rmSync, mkdtempSync, existsSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -38,10 +39,10 @@ after(async () => {
 
 let sets = 0;
 
-/** The program with labels of its own; `labels` goes on with some. */
-async function annotate({ labels = `labels${++sets}`, prelabel = true, more = [] } = {}) {
+/** The program with labels of its own; `labels` goes on with some. `most_kB`: its files may grow no larger, as on a full disk. */
+async function annotate({ labels = `labels${++sets}`, prelabel = true, more = [], most_kB = null } = {}) {
   const args = ["--source", source, "--labels", join(folder, labels), ...(prelabel ? ["--prelabel", "pipelines/default.toml"] : []), ...more];
-  const knuckle = await Annotate.start(program, args);
+  const knuckle = await Annotate.start(program, args, most_kB);
   opened.push(async () => { if (knuckle.process.exitCode === null && knuckle.process.signalCode === null) await knuckle.stop(); });
   return { ...knuckle, process: knuckle.process, stop: (signal) => knuckle.stop(signal), address: knuckle.address, file: join(folder, labels, "labels.jsonl") };
 }
@@ -327,6 +328,27 @@ test("a click on a measured point places the landmark that is chosen, labelled o
   await quiet(page);
   assert.equal(linesOf(file).length, lines, "neither turning, nor a click with the brush");
   assert.deepEqual(page.faults, []);
+});
+
+test("on a full disk the page says so, and that all is well once there is room", { skip }, async () => {
+  const { address, file, process: knuckle } = await annotate({ prelabel: false, most_kB: 6 });
+  const page = await pageAt(address);
+  await dragTo(page, "wrist", truth[0][0].slice(0, 2));
+  assert.equal(await page.locator("#notices").isVisible(), false);
+  let changes = 1;
+  for (; changes < 40 && !/cannot be written/.test(await page.locator("#notices").textContent()); ++changes) {
+    await page.keyboard.press("ArrowRight");
+    await quiet(page);
+  }
+  await says(page, "#notices", /The labels cannot be written: .*labels\.jsonl.* 1 changes wait/);
+  const written = linesOf(file).length;
+  assert.equal(written, changes - 1);
+  execFileSync("prlimit", ["--pid", String(knuckle.pid), "--fsize=unlimited"]);
+  await page.keyboard.press("ArrowLeft");
+  await quiet(page);
+  await page.waitForFunction(() => !/cannot be written/.test(document.querySelector("#notices").textContent));
+  assert.equal(linesOf(file).length, changes + 1, "what waited is written, in its order");
+  assert.deepEqual(linesOf(file).map(({ revision }) => revision), Array.from({ length: changes + 1 }, (_, i) => i + 1));
 });
 
 /** What a pressed key is called in the list of keys. */
