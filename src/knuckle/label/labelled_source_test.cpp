@@ -56,6 +56,28 @@ TEST_F(LabelledSourceTest, LessSureHandsAndOneSideCanBeAskedFor) {
   EXPECT_EQ(right.read_label(1).side, HandSide::right);
 }
 
+TEST_F(LabelledSourceTest, BothHandsOfAFrameAreThere) {
+  LabelChange look = book_.find({1, HandSide::left})->newest();
+  look.act = LabelAct::look;
+  look.revision = 2;
+  look.landmarks[5].is_visible = false;
+  book_.add(look);
+  const LabelledSource labelled(source_, book_, {.least = LabelState::corrected});
+  EXPECT_EQ(labelled.two_handed_count(), 1);
+  const Frame frame = labelled.read(1);
+  ASSERT_EQ(frame.hands.size(), 2U);
+  EXPECT_EQ(frame.hands[0].side, HandSide::left) << "that of the truth first";
+  EXPECT_EQ(frame.hands[0].pose.joints[5].u, frame.truth->joints[5].u);
+  EXPECT_NEAR(frame.hands[1].pose.joints[5].u, pose_of_points(source_.truth(1)).joints[5].u, 1e-9);
+  EXPECT_EQ(frame.hands[0].occluders[5], Occluder::own_hand) << "it is hidden";
+  EXPECT_EQ(frame.hands[0].occluders[6], Occluder::none);
+  EXPECT_EQ(frame.hands[1].occluders[5], Occluder::none);
+  EXPECT_TRUE(labelled.read(0).hands.empty()) << "whether there is another hand nobody has said";
+  EXPECT_EQ(LabelledSource(source_, book_, {}).two_handed_count(), 0) << "one of them is only corrected";
+  const LabelledSource right(source_, book_, {.least = LabelState::corrected, .side = HandSide::right});
+  EXPECT_TRUE(right.read(1).hands.empty());
+}
+
 TEST_F(LabelledSourceTest, HiddenLandmarksCanBeLeftOut) {
   LabelChange change = truth_as_labels(source_, {3}, LabelState::verified);
   change.landmarks[7].is_visible = false;
