@@ -12,7 +12,7 @@
 #include "knuckle/core/progress.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/data/writers/frame_writer.h"
-#include "knuckle/label/label_agreement.h"
+#include "knuckle/label/agreement_json.h"
 #include "knuckle/label/label_journal.h"
 #include "knuckle/label/labelled_source.h"
 #include "knuckle/pipeline/estimate_files.h"
@@ -42,6 +42,7 @@ struct LabelsArguments {
   std::string format = "folder";
   std::filesystem::path out;
   std::filesystem::path poses;
+  std::filesystem::path json;
 };
 
 // --- export ---
@@ -218,6 +219,13 @@ void print_agreement(std::string_view name, const LandmarkAgreement& agreement) 
              agreement.largest_mm, agreement.of_other_visibility);
 }
 
+void print_times(const ComparedAuthor& author) {
+  const LabelTimes& times = author.times;
+  if (times.frames == 0) return;
+  fmt::print("{}: worked on {} frames, {:.1f} s each (median), 90th percentile {:.1f} s, {:.0f} s in all\n",
+             author.name, times.frames, times.median_s, times.percentile90_s, times.total_s);
+}
+
 void run_compare(const LabelsArguments& arguments) {
   const LabelBook one = read_label_file(label_file(arguments.labels, arguments.authors[0]));
   const LabelBook other = read_label_file(label_file(arguments.labels, arguments.authors[1]));
@@ -233,6 +241,11 @@ void run_compare(const LabelsArguments& arguments) {
   for (std::size_t i = 0; i < agreement.landmarks.size(); ++i)
     print_agreement(name_of(one.head().convention.landmarks[i]), agreement.landmarks[i]);
   print_agreement("all", agreement.all);
+  const std::array authors{ComparedAuthor{arguments.authors[0], times_of(one)},
+                           ComparedAuthor{arguments.authors[1], times_of(other)}};
+  for (const ComparedAuthor& author : authors) print_times(author);
+  if (!arguments.json.empty())
+    write_text_file(arguments.json, to_json(agreement, one.head().convention, authors));
 }
 
 // --- options ---
@@ -305,6 +318,8 @@ void add_compare_verb(CLI::App& labels) {
           "Where the frames come from, where their cameras differ; otherwise that of the first frame counts")
       ->type_name("SOURCE");
   add_state_option(verb, *arguments, "How sure hands have to be, of both");
+  verb.add_option("--json", arguments->json, "The same as JSON, also per frame, with overlaps of masks")
+      ->type_name("FILE");
   verb.callback([arguments] { run_compare(*arguments); });
 }
 

@@ -188,11 +188,42 @@ TEST(LabelAgreement, DistancesAreThoseInSpace) {
   const double depth = pose_of_points(source.truth(0)).joints[3].depth_mm;
   EXPECT_NEAR(agreement.landmarks[3].mean_mm, 2.0 * depth / kLabelCamera.fx, 1e-6);
   EXPECT_GE(agreement.all.largest_mm, agreement.all.mean_mm);
+  ASSERT_EQ(agreement.each.size(), 1U);
+  EXPECT_EQ(agreement.each[0].landmarks, kSupersetSize);
+  EXPECT_NEAR(agreement.each[0].mean_mm, agreement.all.mean_mm, 1e-9);
+  EXPECT_TRUE(std::isnan(agreement.each[0].mask_iou)) << "nobody has painted";
   EXPECT_EQ(agreement_of(one, other, LabelState::corrected, camera_of).hands, 2);
   EXPECT_EQ(agreement_of(one, one, LabelState::verified, camera_of).all.largest_mm, 0.0);
   LabelBook longer(closing_hand_head(9));
   EXPECT_THAT(testing::error_of([&] { (void)agreement_of(one, longer, LabelState::verified, camera_of); }),
               HasSubstr("cannot be compared"));
+}
+
+TEST(LabelAgreement, MasksOverlapByTheirShareOfPixelsInAny) {
+  LabelBook one(closing_hand_head(2));
+  LabelBook other(closing_hand_head(2));
+  const auto painted = [](std::int64_t frame, int columns, int width = kLabelCamera.width) {
+    Image<std::uint8_t> pixels(width, kLabelCamera.height);
+    for (int row = 0; row < pixels.height(); ++row) std::fill_n(&pixels(0, row), columns, std::uint8_t{1});
+    LabelChange change{.frame = frame, .act = LabelAct::brush};
+    change.landmarks.resize(kSupersetSize);
+    change.mask = std::make_shared<const LabelMask>(mask_from_pixels_of_hand(pixels));
+    return change;
+  };
+  one.add(painted(0, 4));
+  other.add(painted(0, 6));
+  one.add(painted(1, 0));
+  other.add(painted(1, 0));
+  const auto camera_of = [](std::int64_t) { return kLabelCamera; };
+  const LabelAgreement agreement = agreement_of(one, other, LabelState::corrected, camera_of);
+  ASSERT_EQ(agreement.each.size(), 2U);
+  EXPECT_NEAR(agreement.each[0].mask_iou, 4.0 / 6.0, 1e-12);
+  EXPECT_TRUE(std::isnan(agreement.each[0].mean_mm));
+  EXPECT_EQ(agreement.each[1].mask_iou, 1.0) << "both say that no pixel is hand";
+  LabelBook smaller(closing_hand_head(2));
+  smaller.add(painted(0, 4, 50));
+  EXPECT_THAT(testing::error_of([&] { (void)agreement_of(one, smaller, LabelState::corrected, camera_of); }),
+              HasSubstr("160x120 and of 50x120"));
 }
 
 }  // namespace
