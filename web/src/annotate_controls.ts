@@ -111,8 +111,13 @@ export class AnnotateControls {
     listenToKeys(list, areOn);
     listShortcuts(element("shortcuts"), [
       ...list,
-      { shown: "← → ↑ ↓", does: `the landmark by ${kFine_px} px, with Shift by ${kCoarse_px}; in the points: turn by ${kTurn_deg}°` },
+      { shown: "Ctrl+Z Ctrl+Y", does: "undo, redo; also Ctrl+Shift+Z" },
+      { shown: "← → ↑ ↓", does: `the landmark by ${kFine_px} px, with Shift by ${kCoarse_px}; in the points: turn by ${kTurn_deg}°, with Shift move` },
       { shown: "+ −", does: `the landmark by ${kDepthStep_mm} mm away and nearer, with Shift by 5; in the points: zoom` },
+      { shown: "PageUp PageDown", does: "as + and −, also with Shift" },
+      { shown: "click drag", does: "place or move the landmark, in the image and on the points; beside a landmark of the points a drag turns them" },
+      { shown: "wheel", does: "zoom" },
+      { shown: "right\u00a0button", does: "move what is shown" },
     ]);
   }
 

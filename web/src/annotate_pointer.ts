@@ -24,6 +24,7 @@ interface Parts {
 
 export class AnnotatePointer {
   #parts: Parts;
+  #press: Point2 | null = null;  // of a pointer that is held down beside all landmarks of the points, and has not moved yet
 
   constructor(parts: Parts) {
     this.#parts = parts;
@@ -35,6 +36,8 @@ export class AnnotatePointer {
     imageCanvas.addEventListener("contextmenu", (event) => event.preventDefault());
     imageCanvas.addEventListener("wheel", (event) => this.#zoom(event), { passive: false });
     cloudCanvas.addEventListener("pointerdown", (event) => this.#beginInCloud(event), { capture: true });
+    cloudCanvas.addEventListener("pointermove", (event) => this.#turnInCloud(event));
+    cloudCanvas.addEventListener("pointerup", () => this.#clickInCloud());
     for (const canvas of [imageCanvas, cloudCanvas]) {
       canvas.addEventListener("pointermove", (event) => this.#move(canvas, event));
       canvas.addEventListener("pointerup", () => this.#end());
@@ -70,17 +73,32 @@ export class AnnotatePointer {
     if (!found) changes.preview(this.#wanted(state.drag)!);
   }
 
-  /** Takes a landmark of the points; beside one, the view is turned. */
+  /** Takes a landmark of the points; beside one, the view is turned, or a click places the one that is chosen. */
   #beginInCloud(event: PointerEvent): void {
     const { state, views } = this.#parts;
     const at: Point2 = [event.offsetX, event.offsetY];
     const found = event.button === 0 ? this.#landmarkAt(...at, this.#inCloud) : null;
+    this.#press = event.button === 0 && event.isPrimary && !found ? at : null;
     if (!found || !views.cloud) return;
     views.cloud.hold(true);
     this.#choose(found);
     const start = state.hand?.landmarks_mm[state.landmark] ?? null;
     state.drag = { view: "cloud", from: at, at, start, hasMoved: false, pans: null };
     views.cloudCanvas.setPointerCapture(event.pointerId);
+  }
+
+  /** What moves is no click: it turns the view. */
+  #turnInCloud(event: PointerEvent): void {
+    const press = this.#press;
+    if (press && Math.hypot(event.offsetX - press[0], event.offsetY - press[1]) > kMoves_px) this.#press = null;
+  }
+
+  /** Places the landmark that is chosen on the measured point that was clicked, as on its pixel of the image. */
+  #clickInCloud(): void {
+    const { views: { cloud }, mask, changes } = this.#parts;
+    const pixel = this.#press && mask.tool === "landmarks" ? cloud?.pixelAt(...this.#press) : null;
+    this.#press = null;
+    if (pixel) changes.make(changes.ofLandmark("place", { pixel }));
   }
 
   #choose({ side, name }: { side: Side; name: string }): void {
@@ -138,6 +156,7 @@ export class AnnotatePointer {
   /** The browser took the pointer away: all is as it was. */
   #cancel(): void {
     const { state, mask, frames } = this.#parts;
+    this.#press = null;
     mask.drop();
     if (state.drag) this.#drop();
     void frames.open(state.frame);

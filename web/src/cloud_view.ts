@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The point cloud with skeletons and fitted surfaces, which one can turn. Lengths are millimetres.
 import {
-  BufferGeometry, DataTexture, GLSL3, Group, PerspectiveCamera, Points, RawShaderMaterial, RedIntegerFormat, RGBAFormat, Scene,
+  BufferGeometry, DataTexture, GLSL3, Group, Matrix4, PerspectiveCamera, Points, RawShaderMaterial, RedIntegerFormat, RGBAFormat, Scene,
   UnsignedByteType, UnsignedShortType, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -11,6 +11,7 @@ import { handColours, kPaletteSize, rgbOf } from "./palette.ts";
 import { kPointFragmentShader, kPointVertexShader } from "./point_shader.ts";
 import { PointBudget } from "./point_budget.ts";
 import type { Camera, FrameHeader, FrameImages, Point2, Point3 } from "./protocol.ts";
+import { pixelSeenAt } from "./seen_pixel.ts";
 import { confidenceOf, opacityOf, sizeOf } from "./skeleton.ts";
 
 export type Viewpoint = "front" | "side" | "top" | "oblique";
@@ -61,6 +62,9 @@ export class CloudView {
   #size = new Vector2();
   #aimedAt: number = Sees.nothing;
   #wasMoved = false;
+  #images: FrameImages | null = null;
+  #header: FrameHeader | null = null;
+  #range: DepthRange | null = null;
 
   /** Throws where there is no WebGL 2. `changed` is called when the user has turned it. */
   constructor(canvas: HTMLCanvasElement, palette: Uint8Array, changed: () => void) {
@@ -88,6 +92,8 @@ export class CloudView {
 
   /** Takes a new frame. */
   take(images: FrameImages, header: FrameHeader, bones: readonly [string, string][]): void {
+    this.#images = images;
+    this.#header = header;
     this.#takeDepth(images);
     this.#takeCamera(header.camera, header.depth_unit_mm);
     this.#takeHands(header, bones);
@@ -111,6 +117,7 @@ export class CloudView {
 
   draw(range: DepthRange): void {
     this.#fit();
+    this.#range = range;
     const { uniforms } = this.#points.material;
     uniforms["range_mm"]!.value.set(range.near_mm, range.far_mm);
     uniforms["focal_px"]!.value = this.#canvas.height / (2 * Math.tan((kFieldOfView_deg * Math.PI) / 360));
@@ -172,6 +179,20 @@ export class CloudView {
     const seen = new Vector3(x, -y, -z).project(this.#camera);
     if (seen.z > 1) return null;
     return [((seen.x + 1) / 2) * this.#canvas.clientWidth, ((1 - seen.y) / 2) * this.#canvas.clientHeight];
+  }
+
+  /** Column and row of the measured point that is seen at a place of the canvas [CSS px]; null where there is none, or points are not shown. */
+  pixelAt(x: number, y: number): Point2 | null {
+    if (!this.showsCloud || !this.#images || !this.#header) return null;
+    const { width, height, depth } = this.#images;
+    const { camera, depth_unit_mm: unit_mm } = this.#header;
+    const range = this.isCut ? this.#range : null;
+    const isDrawn = (depth_mm: number): boolean => !range || (depth_mm >= range.near_mm && depth_mm <= range.far_mm);
+    this.#camera.updateMatrixWorld();
+    const clipFromSensor = new Matrix4().multiplyMatrices(this.#camera.projectionMatrix, this.#camera.matrixWorldInverse)
+      .scale(new Vector3(1, -1, -1)).elements;
+    return pixelSeenAt([x, y], { depth, width, height, unit_mm, camera, isDrawn },
+      { width: this.#canvas.clientWidth, height: this.#canvas.clientHeight, clipFromSensor });
   }
 
   /** The point moved in the screen's plane by so much [CSS px]. */

@@ -14,11 +14,14 @@ export function runProgram(program, args) {
   return run.stdout;
 }
 
-/** `knuckle annotate` with these arguments, once it serves. */
+/** `knuckle annotate` with these arguments, once it serves. `most_kB`: its files may grow no larger. */
 export class Annotate {
-  static async start(program, args) {
+  static async start(program, args, most_kB = null) {
     const one = new Annotate();
-    one.process = spawn(program, ["annotate", "--port", "0", ...args], { cwd: project });
+    const command = [program, "annotate", "--port", "0", ...args];
+    const limited = ["bash", "-c", `ulimit -S -f ${most_kB}; exec "$@"`, "limited", ...command];
+    const [first, ...others] = most_kB === null ? command : limited;
+    one.process = spawn(first, others, { cwd: project });
     one.said = "";
     one.ended = new Promise((done) => one.process.on("exit", (status, signal) => done({ status, signal })));
     one.process.stdout.on("data", (text) => { one.said += text; });

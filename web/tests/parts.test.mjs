@@ -23,6 +23,7 @@ const { DepthRange, roundTicks } = await load("depth_range");
 const { depthPalette, handColours, srgbOfOklch } = await load("palette");
 const { History } = await load("history");
 const { Rate, Samples } = await load("chart");
+const { inSensor, pixelSeenAt } = await load("seen_pixel");
 const { PointBudget } = await load("point_budget");
 const { FrameImages, readFrame, readInfo, readRecording } = await load("protocol");
 
@@ -206,6 +207,39 @@ test("a fine step moves by pixels across the image, and along the line of sight 
   const flat = makeLabelled({ model: "orthographic", fx: 2, fy: 4 });
   flat.changes.nudge(1, 1, 5);
   near(flat.turn().point_mm, [30.5, -39.75, 505]);
+});
+
+test("a click on the points means the pixel that is seen there: of the nearest surface, the nearest to the pointer", () => {
+  const width = 60, height = 40;
+  const camera = { model: "projective", fx: 50, fy: 50, cx: 30, cy: 20, distortion: [], pixel_origin: "centre" };
+  const depth = new Uint16Array(width * height).fill(900);
+  for (let row = 10; row < 30; ++row) depth.fill(500, row * width + 20, row * width + 35);
+  depth[20 * width + 25] = 0;
+  // Seen by the sensor itself, ten times as large: pixel (u, v) lies at (10 u, 10 v).
+  const scale = 10, canvas = { width: 600, height: 400 };
+  const toClip = ([x, y, z]) => [(2 * (camera.fx * x + camera.cx * z)) / width - z, z - (2 * (camera.fy * y + camera.cy * z)) / height, 0, z];
+  const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(toClip);
+  canvas.clipFromSensor = [...columns.flat(), 0, 0, 0, 0];
+  const points = { depth, width, height, unit_mm: 1, camera, isDrawn: () => true };
+  for (const pixel of [[3, 4], [30, 12], [34, 29]]) {
+    assert.deepEqual(pixelSeenAt([scale * pixel[0] + 2, scale * pixel[1] - 3], points, canvas), pixel);
+  }
+  assert.equal(pixelSeenAt([250, 200], points, canvas), null, "nothing was measured there");
+  assert.deepEqual(pixelSeenAt([346, 200], points, canvas), [34, 20], "the hand lies before the wall beside it");
+  assert.equal(pixelSeenAt([300, 120], { ...points, isDrawn: (depth_mm) => depth_mm > 600 }, canvas), null, "points that are cut are not there");
+  const behind = { ...canvas, clipFromSensor: canvas.clipFromSensor.map((value) => -value) };
+  assert.equal(pixelSeenAt([300, 120], points, behind), null);
+});
+
+test("pixels are unprojected as cameras see them", () => {
+  const camera = { model: "projective", fx: 100, fy: 110, cx: 30.5, cy: 20.5, distortion: [0.1, -0.05, 0.01, 0.02, 0.01], pixel_origin: "corner" };
+  const [x, y, z] = inSensor(70, 45, 500, camera);
+  const [a, b] = [x / z, y / z];
+  const r2 = a * a + b * b;
+  const radial = 1 + 0.1 * r2 - 0.05 * r2 ** 2 + 0.01 * r2 ** 3;
+  const seen = [100 * (a * radial + 2 * 0.01 * a * b + 0.02 * (r2 + 2 * a * a)) + 30, 110 * (b * radial + 0.01 * (r2 + 2 * b * b) + 2 * 0.02 * a * b) + 20];
+  assert.ok(Math.hypot(seen[0] - 70, seen[1] - 45) < 1e-4, `${seen}`);
+  assert.deepEqual(inSensor(40, 20, 500, { ...camera, model: "orthographic", fx: 2, fy: 2, cx: 30, pixel_origin: "centre", cy: 10 }), [5, 5, 500]);
 });
 
 test("the landmark beside the last is the first", () => {

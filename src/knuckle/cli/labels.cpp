@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,7 @@
 #include "knuckle/core/text.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/data/writers/frame_writer.h"
-#include "knuckle/label/label_agreement.h"
+#include "knuckle/label/agreement_json.h"
 #include "knuckle/label/label_journal.h"
 #include "knuckle/label/labelled_source.h"
 #include "knuckle/pipeline/estimate_files.h"
@@ -42,6 +43,7 @@ struct LabelsArguments {
   std::string format = "folder";
   std::filesystem::path out;
   std::filesystem::path poses;
+  std::filesystem::path json;
 };
 
 // --- export ---
@@ -87,6 +89,26 @@ void write_set(const LabelledSource& labelled, const LabelsArguments& arguments)
   writer->finish();
 }
 
+/// An .h5 set has columns for the 22 landmarks alone: those that a data set defines itself would be lost.
+void require_room_for_landmarks(const Convention& convention, const LabelsArguments& arguments) {
+  const auto shared = map_convention(convention, superset_convention()).shared;
+  if (arguments.format != "h5" || std::ssize(shared) == convention.size()) return;
+  fail("{}: an .h5 set holds the landmarks of {}, not all of {}; choose --format folder or poses",
+       arguments.out.string(), superset_convention().name, convention.name);
+}
+
+void warn_of_what_is_left_out(const LabelledSource& labelled, const LabelsArguments& arguments) {
+  if (labelled.without_mask_count() > 0) {
+    fmt::print(stderr, "warning: {} of {} labelled frames have no mask: theirs is written empty\n",
+               labelled.without_mask_count(), labelled.labelled_count());
+  }
+  if (arguments.format != "h5" && labelled.two_handed_count() > 0) {
+    fmt::print(stderr,
+               "warning: {} frames have both hands; the format {} holds one of them, h5 and poses both\n",
+               labelled.two_handed_count(), arguments.format);
+  }
+}
+
 void run_export(const LabelsArguments& arguments) {
   const auto source = open_source(arguments.source);
   const LabelBook book = read_label_file(label_file(arguments.labels, arguments.author));
@@ -95,15 +117,13 @@ void run_export(const LabelsArguments& arguments) {
     fail("{}: no hand is {}; --state says how sure hands have to be", arguments.labels.string(),
          name_of(arguments.state));
   }
+  require_room_for_landmarks(*labelled.convention(), arguments);
   if (arguments.format == "poses") {
     write_poses(labelled, arguments.out);
     write_second_hands(*source, book, arguments);
   } else {
     write_set(labelled, arguments);
-  }
-  if (arguments.format != "poses" && labelled.without_mask_count() > 0) {
-    fmt::print(stderr, "warning: {} of {} labelled frames have no mask: theirs is written empty\n",
-               labelled.without_mask_count(), labelled.labelled_count());
+    warn_of_what_is_left_out(labelled, arguments);
   }
   fmt::print("{}: {} of {} frames labelled in {}\n", printable(arguments.out.string()),
              labelled.labelled_count(), labelled.size(), labelled.convention()->name);
@@ -111,15 +131,30 @@ void run_export(const LabelsArguments& arguments) {
 
 // --- import ---
 
-/// Labels from a poses file, or from what the source is labelled with already.
-std::vector<HandPose> poses_to_import(const LabelsArguments& arguments, const FrameSource& source) {
-  std::vector<HandPose> poses;
-  if (arguments.poses.empty()) {
-    if (!source.convention()) fail("{}: has no labels of its own; give --poses", arguments.source);
-    for (std::int64_t i = 0; i < source.size(); ++i)
-      poses.push_back(source.read_label(i).truth.value_or(HandPose::missing(*source.convention())));
-    return poses;
+/// A hand of a frame, of which something is known.
+struct HandToImport {
+  std::int64_t frame;
+  HandTruth truth;
+};
+
+/// What a source is labelled with already: all hands in view, where it says them, else the one.
+std::vector<HandToImport> hands_of_source(const LabelsArguments& arguments, const FrameSource& source) {
+  if (!source.convention()) fail("{}: has no labels of its own; give --poses", arguments.source);
+  std::vector<HandToImport> hands;
+  for (std::int64_t i = 0; i < source.size(); ++i) {
+    Frame frame = source.read(i);
+    if (frame.hands.empty() && frame.truth)
+      frame.hands.push_back(
+          {.side = frame.side.value_or(HandSide::right), .pose = *frame.truth, .occluders = {}});
+    for (HandTruth& hand : frame.hands) {
+      if (frame.hands.size() == 1 && arguments.side) hand.side = *arguments.side;
+      if (arguments.side.value_or(hand.side) == hand.side) hands.push_back({i, std::move(hand)});
+    }
   }
+  return hands;
+}
+
+std::vector<HandPose> poses_of_file(const LabelsArguments& arguments, const FrameSource& source) {
   PoseSequence sequence = read_poses_file(arguments.poses, std::nullopt, source.pixel_origin());
   if (static_cast<std::int64_t>(sequence.poses.size()) != source.size()) {
     fail("{}: {} poses, the source has {} frames", arguments.poses.string(), sequence.poses.size(),
@@ -128,22 +163,33 @@ std::vector<HandPose> poses_to_import(const LabelsArguments& arguments, const Fr
   return std::move(sequence.poses);
 }
 
-LabelChange imported(std::int64_t index, const HandPose& pose, HandSide side,
-                     const LabelsArguments& arguments, const LabelBook& book) {
-  const HandHistory* const before = book.find({index, side});
-  LabelChange change{.frame = index,
-                     .side = side,
+std::vector<HandToImport> hands_of_file(const LabelsArguments& arguments, const FrameSource& source) {
+  std::vector<HandToImport> hands;
+  std::int64_t frame = 0;
+  for (HandPose& pose : poses_of_file(arguments, source)) {
+    const std::optional<HandSide> of_source = arguments.side ? arguments.side : source.read_label(frame).side;
+    hands.push_back(
+        {frame++, {.side = of_source.value_or(HandSide::right), .pose = std::move(pose), .occluders = {}}});
+  }
+  return hands;
+}
+
+LabelChange imported(const HandToImport& hand, const LabelsArguments& arguments, const LabelBook& book) {
+  const HandHistory* const before = book.find({hand.frame, hand.truth.side});
+  LabelChange change{.frame = hand.frame,
+                     .side = hand.truth.side,
                      .revision = before == nullptr ? 1 : before->revision() + 1,
                      .act = LabelAct::import,
                      .author = arguments.poses.empty() ? "source" : arguments.poses.filename().string()};
-  for (const ImagePoint& joint : converted(pose, book.head().convention).joints)
+  for (const ImagePoint& joint : converted(hand.truth.pose, book.head().convention).joints)
     change.landmarks.push_back({.at = joint.is_missing() ? ImagePoint{} : joint, .state = arguments.state});
   return change;
 }
 
 void run_import(const LabelsArguments& arguments) {
   const auto source = open_source(arguments.source);
-  const std::vector<HandPose> poses = poses_to_import(arguments, *source);
+  const std::vector<HandToImport> hands =
+      arguments.poses.empty() ? hands_of_source(arguments, *source) : hands_of_file(arguments, *source);
   const std::filesystem::path file = label_file(arguments.labels, arguments.author);
   const Convention convention =
       convention_from_option(arguments.convention.empty() ? "knuckle22" : arguments.convention);
@@ -153,15 +199,18 @@ void run_import(const LabelsArguments& arguments) {
                               .convention = convention,
                               .camera = source->read_label(0).camera});
   std::vector<LabelChange> changes;
-  for (std::int64_t i = 0; i < source->size(); ++i) {
-    const HandPose& pose = poses[static_cast<std::size_t>(i)];
-    const HandSide side = arguments.side.value_or(source->read_label(i).side.value_or(HandSide::right));
-    if (!pose.is_missing()) changes.push_back(imported(i, pose, side, arguments, journal.book()));
+  std::set<HandKey> taken;
+  std::set<std::int64_t> frames;
+  for (const HandToImport& hand : hands) {
+    if (hand.truth.pose.is_missing()) continue;
+    if (!taken.insert({hand.frame, hand.truth.side}).second) continue;  // a second person's: labels have none
+    changes.push_back(imported(hand, arguments, journal.book()));
+    frames.insert(hand.frame);
   }
-  const std::size_t count = changes.size();
   journal.add_all(std::move(changes));
   if (journal.waiting() > 0) fail("{}", journal.fault());
-  fmt::print("{}: {} of {} frames have labels now\n", printable(file.string()), count, source->size());
+  fmt::print("{}: {} of {} frames have labels now\n", printable(file.string()), frames.size(),
+             source->size());
 }
 
 // --- compare ---
@@ -170,6 +219,13 @@ void print_agreement(std::string_view name, const LandmarkAgreement& agreement) 
   if (agreement.hands == 0) return;
   fmt::print("{:<16} {:>7} {:>9.2f} {:>11.2f} {:>18}\n", name, agreement.hands, agreement.mean_mm,
              agreement.largest_mm, agreement.of_other_visibility);
+}
+
+void print_times(const ComparedAuthor& author) {
+  const LabelTimes& times = author.times;
+  if (times.frames == 0) return;
+  fmt::print("{}: worked on {} frames, {:.1f} s each (median), 90th percentile {:.1f} s, {:.0f} s in all\n",
+             author.name, times.frames, times.median_s, times.percentile90_s, times.total_s);
 }
 
 void run_compare(const LabelsArguments& arguments) {
@@ -187,6 +243,11 @@ void run_compare(const LabelsArguments& arguments) {
   for (std::size_t i = 0; i < agreement.landmarks.size(); ++i)
     print_agreement(name_of(one.head().convention.landmarks[i]), agreement.landmarks[i]);
   print_agreement("all", agreement.all);
+  const std::array authors{ComparedAuthor{arguments.authors[0], times_of(one)},
+                           ComparedAuthor{arguments.authors[1], times_of(other)}};
+  for (const ComparedAuthor& author : authors) print_times(author);
+  if (!arguments.json.empty())
+    write_text_file(arguments.json, to_json(agreement, one.head().convention, authors));
 }
 
 // --- options ---
@@ -259,6 +320,8 @@ void add_compare_verb(CLI::App& labels) {
           "Where the frames come from, where their cameras differ; otherwise that of the first frame counts")
       ->type_name("SOURCE");
   add_state_option(verb, *arguments, "How sure hands have to be, of both");
+  verb.add_option("--json", arguments->json, "The same as JSON, also per frame, with overlaps of masks")
+      ->type_name("FILE");
   verb.callback([arguments] { run_compare(*arguments); });
 }
 

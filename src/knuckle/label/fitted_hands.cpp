@@ -8,6 +8,7 @@ namespace knuckle {
 namespace {
 
 constexpr std::size_t kMostToLearnFrom = 15;  // verified hands of a sequence: bones are known by then
+constexpr std::size_t kMostAtFirst = 60;      // verified hands in all: who opens the page waits for them
 constexpr double kUsualPalmMm = 95.0;
 constexpr double kUnknownDoubtMm = 20.0;  // of labels that nothing was fitted to
 
@@ -21,7 +22,7 @@ double doubt_of(const LabelFit& fit) {
 
 FittedHands::FittedHands(const FrameSource& source, const LabelBook& book, const LabelFitOptions& options)
     : source_(source), book_(book), options_(options) {
-  learn_all_bones();
+  learn_first_bones();
 }
 
 int FittedHands::sequence_of(std::int64_t frame) const {
@@ -101,10 +102,12 @@ void FittedHands::learn_bones(HandKey hand, const Frame& frame) {
   if (fitted) bones.learn(hand, fitted->pose);
 }
 
-void FittedHands::learn_all_bones() {
+void FittedHands::learn_first_bones() {
   std::map<std::pair<int, HandSide>, std::size_t> learned;
+  std::size_t seen = 0;
   for (const auto& [hand, history] : book_.hands()) {
     if (history.state() != LabelState::verified) continue;
+    if (++seen > kMostAtFirst) return;
     const FrameLabel label = source_.read_label(hand.frame);
     if (++learned[{label.sequence, hand.side}] > kMostToLearnFrom) continue;
     Frame blank;

@@ -55,6 +55,17 @@ double HandHistory::seconds() const {
   return sum;
 }
 
+std::int64_t HandHistory::last(LabelAct act) const {
+  const auto found = std::ranges::find(changes.rbegin(), changes.rend(), act, &LabelChange::act);
+  return found == changes.rend() ? 0 : found->order;
+}
+
+bool HandHistory::follows() const {
+  const auto is_stroke = [](const LabelChange& change) { return change.act == LabelAct::brush; };
+  const auto found = std::ranges::find_if_not(changes.rbegin(), changes.rend(), is_stroke);
+  return found != changes.rend() && found->act == LabelAct::propagate;
+}
+
 void LabelBook::take_head(LabelHead head, std::string_view where) {
   if (head.frames != head_.frames || !(head.convention == head_.convention)) {
     fail("{}: another number of frames or convention than in the first line; labels of one source only",
@@ -76,6 +87,7 @@ void LabelBook::add(LabelChange change, std::string_view where) {
   if (before != nullptr && !says_mask(change.act)) change.mask = before->newest().mask;
   note_ages(change, before == nullptr ? nullptr : &before->newest());
   note_step(change, where);
+  change.order = ++changes_;
   hands_[key].changes.push_back(std::move(change));
 }
 

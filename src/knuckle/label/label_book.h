@@ -38,6 +38,10 @@ struct HandHistory {
   LabelState state() const;
   /// That persons have worked on it.
   double seconds() const;
+  /// `LabelChange::order` of the last change of a kind; 0 where there is none.
+  std::int64_t last(LabelAct act) const;
+  /// Whether its landmarks stand as they followed from verified neighbours.
+  bool follows() const;
 };
 
 /// All labels of one author with their history: what labels.jsonl says, in memory. A value; not safe to
@@ -78,6 +82,7 @@ class LabelBook {
 
   LabelHead head_;
   std::map<HandKey, HandHistory> hands_;
+  std::int64_t changes_ = 0;  ///< of all hands
   std::vector<Step> done_;
   std::vector<Step> undone_;
 };

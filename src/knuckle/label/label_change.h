@@ -70,6 +70,7 @@ struct LabelChange {
   double seconds = 0.0;     ///< that the person had worked on this frame since the last change
   std::vector<LandmarkLabel> landmarks = {};   ///< one per landmark of the head's convention
   std::shared_ptr<const LabelMask> mask = {};  ///< the hand's pixels; null: nobody has painted them
+  std::int64_t order = 0;  ///< among all changes of its book, the first is 1; not in the file
 };
 
 /// Whether any landmark is labelled.

@@ -2,6 +2,7 @@
 #include "knuckle/label/label_session.h"
 
 #include <ctime>
+#include <utility>
 
 #include <fmt/chrono.h>
 
@@ -22,7 +23,8 @@ LabelSession::LabelSession(const FrameSource& source, LabelJournal& journal, Lab
       options_(std::move(options)),
       frames_(source, kKeptFrames),
       fits_(source, journal.book(), options_.fit),
-      to_propagate_(options_.reach) {
+      to_propagate_(options_.reach),
+      earlier_(journal.book()) {
   for (const auto& [hand, history] : journal_.book().hands()) looked_at_.insert(hand.frame);
 }
 
@@ -103,7 +105,7 @@ bool LabelSession::work() {
     const std::lock_guard lock(mutex_);
     if (journal_.waiting() > 0) journal_.flush();
   }
-  return propagate_one() || estimate_one();
+  return propagate_one() || recall_one() || estimate_one();
 }
 
 void LabelSession::estimate(std::int64_t index, const Frame& frame) {
@@ -142,12 +144,14 @@ bool LabelSession::propagate_one() {
   std::optional<HandKey> hand;
   {
     const std::lock_guard lock(mutex_);
+    if (std::exchange(has_interrupted_, false)) to_propagate_.add_interrupted(journal_.book());
     hand = to_propagate_.take();
   }
   if (!hand) return false;
   try {
     const auto frame = frames_.read(hand->frame);
     estimate(hand->frame, *frame);
+    recall_verified_around(*hand);
     const std::lock_guard lock(mutex_);
     propagate(*hand, *frame);
   } catch (const Error&) {  // who opens this frame is told
@@ -169,6 +173,59 @@ void LabelSession::propagate(HandKey hand, const Frame& frame) {
           .time = now(),
           .seconds = 0.0,
           .landmarks = std::move(propagated->labels)});
+}
+
+// --- what an earlier session knew ---
+
+bool LabelSession::recall_one() {
+  std::optional<HandKey> hand;
+  {
+    const std::lock_guard lock(mutex_);
+    hand = earlier_.take();
+  }
+  if (hand) recall(*hand);
+  return hand.has_value();
+}
+
+/// Images are read while nobody waits for them.
+void LabelSession::recall(HandKey hand) {
+  try {
+    if (follows(hand)) recall_verified_around(hand);
+    const auto frame = frames_.read(hand.frame);
+    const std::lock_guard lock(mutex_);
+    take_back(hand, *frame);
+  } catch (const Error&) {  // who opens this frame is told
+  }
+}
+
+bool LabelSession::follows(HandKey hand) const {
+  const std::lock_guard lock(mutex_);
+  return journal_.book().find(hand)->follows();
+}
+
+/// The verified hands that a hand follows have to be fitted before it.
+void LabelSession::recall_verified_around(HandKey hand) {
+  std::vector<HandKey> around;
+  {
+    const std::lock_guard lock(mutex_);
+    around = verified_around(hand, journal_.book(), fits_, options_.reach);
+    std::erase_if(around, [this](HandKey other) { return !earlier_.take(other); });
+  }
+  for (const HandKey other : around) recall(other);
+}
+
+/// Fits the hand model to a hand as it stands; to one that follows as when it followed.
+void LabelSession::take_back(HandKey hand, const Frame& frame) {
+  const HandHistory& history = *journal_.book().find(hand);
+  std::optional<PropagatedHand> following;
+  if (history.follows()) following = following_hand(hand, frame, journal_.book(), fits_, options_.reach);
+  if (following) {
+    fits_.keep(hand, history.revision(), following->fit, kDoubtBesideVerified);
+  } else {
+    fits_.newest_fit(hand, history, frame);
+    if (history.state() == LabelState::verified) fits_.learn_bones(hand, frame);
+  }
+  if (changed) changed(hand, history.revision());
 }
 
 }  // namespace knuckle

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "knuckle/data/frame_source.h"
+#include "knuckle/label/earlier_hands.h"
 #include "knuckle/label/fitted_hands.h"
 #include "knuckle/label/frame_cache.h"
 #include "knuckle/label/frame_standing.h"
@@ -87,10 +88,12 @@ class LabelSession {
   /// Hands that were verified, and the seconds that persons worked on them, one per hand.
   std::vector<double> seconds_of_verified() const;
 
-  /// Does a piece of what can wait: lets a frame follow its verified neighbours, estimates one, writes what
-  /// waits for the disk. Whether there was anything to do. Changed frames are told to `changed`.
+  /// Does a piece of what can wait: lets a frame follow its verified neighbours, fits the hand model to a
+  /// hand of an earlier session, estimates a frame, writes what waits for the disk. Whether there was
+  /// anything to do. Changed frames are told to `changed`.
   bool work();
-  /// Called after each change, by the thread that made it, which holds the session: it may not ask it.
+  /// Called after each change, and once it is known how doubtful a hand of an earlier session is, by the
+  /// thread that made it, which holds the session: it may not ask it.
   std::function<void(HandKey, std::int64_t)> changed;
   /// Why labels are not on the disk; empty where they are. `waiting` says how many changes.
   std::string fault() const;
@@ -120,6 +123,11 @@ class LabelSession {
   void estimate(std::int64_t index, const Frame& frame);
   bool estimate_one();
   bool propagate_one();
+  bool recall_one();
+  void recall(HandKey hand);
+  bool follows(HandKey hand) const;
+  void recall_verified_around(HandKey hand);
+  void take_back(HandKey hand, const Frame& frame);
   void propagate(HandKey hand, const Frame& frame);
   std::string now() const;
 
@@ -129,6 +137,8 @@ class LabelSession {
   FrameCache frames_;
   FittedHands fits_;
   PropagationQueue to_propagate_;
+  EarlierHands earlier_;
+  bool has_interrupted_ = true;       ///< what waited in an earlier session was not looked for yet
   std::set<std::int64_t> looked_at_;  ///< frames that were estimated, also in vain
   std::int64_t next_estimate_ = 0;
 };

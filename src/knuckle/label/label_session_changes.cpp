@@ -193,6 +193,7 @@ void LabelSession::commit(LabelChange change) {
   const HandKey hand{change.frame, change.side};
   const std::int64_t revision = change.revision;
   journal_.add(std::move(change));
+  earlier_.take(hand);
   looked_at_.insert(hand.frame);
   if (changed) changed(hand, revision);
 }

@@ -24,16 +24,7 @@ class LabelSessionTest : public ::testing::Test {
     LabelSessionOptions options;
     options.author = "ann";
     options.now = [] { return "2026-11-23T17:40:58Z"; };
-    if (estimates) {
-      options.estimate = [this](const Frame& frame) {
-        HandPose pose = pose_of_points(source_.truth(std::stoi(frame.name)));
-        for (std::size_t i = 0; i < pose.joints.size(); ++i) {
-          pose.joints[i].u += i % 2 == 0 ? 2.0 : -1.5;
-          pose.joints[i].depth_mm += i % 3 == 0 ? 6.0 : -4.0;
-        }
-        return std::vector<EstimatedHand>{{HandSide::right, pose}};
-      };
-    }
+    if (estimates) options.estimate = testing::wrong_by_as_much(source_);
     return options;
   }
   static LabelRequest request(Kind kind, std::int64_t frame, std::int64_t revision,

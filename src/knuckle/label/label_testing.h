@@ -13,6 +13,7 @@
 #include "knuckle/hand/hand_flesh.h"
 #include "knuckle/hand/skeleton_fit.h"
 #include "knuckle/label/label_change.h"
+#include "knuckle/label/label_estimate.h"
 
 namespace knuckle::testing {
 
@@ -100,6 +101,18 @@ class ClosingHand final : public FrameSource {
  private:
   int frames_;
 };
+
+/// Estimates of its hand that are wrong by as much in every frame.
+inline EstimateHands wrong_by_as_much(const ClosingHand& source) {
+  return [&source](const Frame& frame) {
+    HandPose pose = pose_of_points(source.truth(std::stoi(frame.name)));
+    for (std::size_t i = 0; i < pose.joints.size(); ++i) {
+      pose.joints[i].u += i % 2 == 0 ? 2.0 : -1.5;
+      pose.joints[i].depth_mm += i % 3 == 0 ? 6.0 : -4.0;
+    }
+    return std::vector<EstimatedHand>{{HandSide::right, pose}};
+  };
+}
 
 inline LabelHead closing_hand_head(int frames) {
   return {.source = "closing:hand",

@@ -57,7 +57,13 @@ void LabelledSource::choose(HandKey hand, const HandHistory& history) {
     return;
   }
   const HandHistory*& chosen = chosen_[hand.frame];
-  if (chosen == nullptr || chosen->state() < history.state()) chosen = &history;
+  if (chosen == nullptr) {
+    chosen = &history;
+    return;
+  }
+  const HandHistory* other = &history;
+  if (chosen->state() < other->state()) std::swap(chosen, other);
+  if (has_landmarks(other->newest())) others_[hand.frame] = other;
 }
 
 std::int64_t LabelledSource::without_mask_count() const {
@@ -95,15 +101,30 @@ const ImagePoint& LabelledSource::place_of(const LabelChange& change, std::size_
   return smoothed == smoothed_.end() ? change.landmarks[landmark].at : smoothed->second[landmark];
 }
 
-std::optional<LabelledSource::Truth> LabelledSource::truth_of(std::int64_t index,
-                                                              const Camera& camera) const {
+HandPose LabelledSource::in_target(const HandPose& pose, HandSide side, const Camera& camera) const {
+  if (definition_) return defined_pose(*definition_, pose, Projection(camera), side);
+  return target_ == pose.convention ? pose : converted(pose, target_);
+}
+
+HandTruth LabelledSource::as_truth(const LabelChange& change, const Camera& camera) const {
+  HandTruth truth{
+      .side = change.side,
+      .pose = in_target(as_labelled(change), change.side, camera),
+      .occluders = std::vector<Occluder>(target_.landmarks.size(), Occluder::none),
+  };
+  const std::vector<int> places = map_convention(book_.head().convention, target_).source_index;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool is_hidden =
+        places[i] >= 0 && !change.landmarks[static_cast<std::size_t>(places[i])].is_visible;
+    if (is_hidden) truth.occluders[i] = Occluder::own_hand;
+  }
+  return truth;
+}
+
+std::optional<HandTruth> LabelledSource::truth_of(std::int64_t index, const Camera& camera) const {
   const auto chosen = chosen_.find(index);
   if (chosen == chosen_.end()) return std::nullopt;
-  const LabelChange& change = chosen->second->newest();
-  const HandPose pose = as_labelled(change);
-  if (definition_)
-    return Truth{defined_pose(*definition_, pose, Projection(camera), change.side), change.side};
-  return Truth{target_ == pose.convention ? pose : converted(pose, target_), change.side};
+  return as_truth(chosen->second->newest(), camera);
 }
 
 Frame LabelledSource::read(std::int64_t index) const {
@@ -112,8 +133,10 @@ Frame LabelledSource::read(std::int64_t index) const {
   frame.side.reset();
   frame.hands.clear();
   if (auto truth = truth_of(index, frame.camera)) {
-    frame.truth = std::move(truth->pose);
+    frame.truth = truth->pose;
     frame.side = truth->side;
+    if (const auto other = others_.find(index); other != others_.end())
+      frame.hands = {std::move(*truth), as_truth(other->second->newest(), frame.camera)};
   }
   if (!masks_.empty()) {
     frame.mask = mask_of(index, frame.camera);

@@ -25,6 +25,8 @@ struct LabelledSourceOptions {
 };
 
 /// A source with labels in place of its own truth: one hand per frame, none where the frame is not labelled.
+/// Of frames with both hands `Frame::hands` has both, that of the truth first; what hides a landmark nobody
+/// has labelled, so it is said to be the hand itself.
 /// Landmarks of another convention are found as its definition says (landmarks/NAME.toml), where the program
 /// ships one, and by their names otherwise. Where any of the hands that count has a mask, all frames have
 /// one, in place of the source's own: the pixels of all hands that count, of both sides where none is asked
@@ -42,17 +44,17 @@ class LabelledSource final : public FrameSource {
   PixelOrigin pixel_origin() const override { return source_.pixel_origin(); }
   /// Frames that have a hand without a mask, although others have one: none of its pixels is said to be hand.
   std::int64_t without_mask_count() const;
+  /// Frames of which both hands count.
+  std::int64_t two_handed_count() const { return static_cast<std::int64_t>(others_.size()); }
   /// Frames that have a hand.
   std::int64_t labelled_count() const { return static_cast<std::int64_t>(chosen_.size()); }
 
  private:
-  struct Truth {
-    HandPose pose;
-    HandSide side;
-  };
   void choose(HandKey hand, const HandHistory& history);
   Image<std::uint8_t> mask_of(std::int64_t index, const Camera& camera) const;
-  std::optional<Truth> truth_of(std::int64_t index, const Camera& camera) const;
+  std::optional<HandTruth> truth_of(std::int64_t index, const Camera& camera) const;
+  HandTruth as_truth(const LabelChange& change, const Camera& camera) const;
+  HandPose in_target(const HandPose& pose, HandSide side, const Camera& camera) const;
   HandPose as_labelled(const LabelChange& change) const;
   const ImagePoint& place_of(const LabelChange& change, std::size_t landmark) const;
 
@@ -62,6 +64,7 @@ class LabelledSource final : public FrameSource {
   Convention target_;
   std::optional<LandmarkDefinition> definition_;       ///< where names do not say it
   std::map<std::int64_t, const HandHistory*> chosen_;  ///< by frame: the hand whose pose is the truth
+  std::map<std::int64_t, const HandHistory*> others_;  ///< by frame with both hands: the other one
   SmoothedLabels smoothed_;                            ///< empty: labels are as they are
   std::map<std::int64_t, std::vector<std::shared_ptr<const LabelMask>>> masks_;  ///< by frame, of all hands
 };

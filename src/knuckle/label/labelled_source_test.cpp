@@ -56,6 +56,28 @@ TEST_F(LabelledSourceTest, LessSureHandsAndOneSideCanBeAskedFor) {
   EXPECT_EQ(right.read_label(1).side, HandSide::right);
 }
 
+TEST_F(LabelledSourceTest, BothHandsOfAFrameAreThere) {
+  LabelChange look = book_.find({1, HandSide::left})->newest();
+  look.act = LabelAct::look;
+  look.revision = 2;
+  look.landmarks[5].is_visible = false;
+  book_.add(look);
+  const LabelledSource labelled(source_, book_, {.least = LabelState::corrected});
+  EXPECT_EQ(labelled.two_handed_count(), 1);
+  const Frame frame = labelled.read(1);
+  ASSERT_EQ(frame.hands.size(), 2U);
+  EXPECT_EQ(frame.hands[0].side, HandSide::left) << "that of the truth first";
+  EXPECT_EQ(frame.hands[0].pose.joints[5].u, frame.truth->joints[5].u);
+  EXPECT_NEAR(frame.hands[1].pose.joints[5].u, pose_of_points(source_.truth(1)).joints[5].u, 1e-9);
+  EXPECT_EQ(frame.hands[0].occluders[5], Occluder::own_hand) << "it is hidden";
+  EXPECT_EQ(frame.hands[0].occluders[6], Occluder::none);
+  EXPECT_EQ(frame.hands[1].occluders[5], Occluder::none);
+  EXPECT_TRUE(labelled.read(0).hands.empty()) << "whether there is another hand nobody has said";
+  EXPECT_EQ(LabelledSource(source_, book_, {}).two_handed_count(), 0) << "one of them is only corrected";
+  const LabelledSource right(source_, book_, {.least = LabelState::corrected, .side = HandSide::right});
+  EXPECT_TRUE(right.read(1).hands.empty());
+}
+
 TEST_F(LabelledSourceTest, HiddenLandmarksCanBeLeftOut) {
   LabelChange change = truth_as_labels(source_, {3}, LabelState::verified);
   change.landmarks[7].is_visible = false;
@@ -167,11 +189,42 @@ TEST(LabelAgreement, DistancesAreThoseInSpace) {
   const double depth = pose_of_points(source.truth(0)).joints[3].depth_mm;
   EXPECT_NEAR(agreement.landmarks[3].mean_mm, 2.0 * depth / kLabelCamera.fx, 1e-6);
   EXPECT_GE(agreement.all.largest_mm, agreement.all.mean_mm);
+  ASSERT_EQ(agreement.each.size(), 1U);
+  EXPECT_EQ(agreement.each[0].landmarks, kSupersetSize);
+  EXPECT_NEAR(agreement.each[0].mean_mm, agreement.all.mean_mm, 1e-9);
+  EXPECT_TRUE(std::isnan(agreement.each[0].mask_iou)) << "nobody has painted";
   EXPECT_EQ(agreement_of(one, other, LabelState::corrected, camera_of).hands, 2);
   EXPECT_EQ(agreement_of(one, one, LabelState::verified, camera_of).all.largest_mm, 0.0);
   LabelBook longer(closing_hand_head(9));
   EXPECT_THAT(testing::error_of([&] { (void)agreement_of(one, longer, LabelState::verified, camera_of); }),
               HasSubstr("cannot be compared"));
+}
+
+TEST(LabelAgreement, MasksOverlapByTheirShareOfPixelsInAny) {
+  LabelBook one(closing_hand_head(2));
+  LabelBook other(closing_hand_head(2));
+  const auto painted = [](std::int64_t frame, int columns, int width = kLabelCamera.width) {
+    Image<std::uint8_t> pixels(width, kLabelCamera.height);
+    for (int row = 0; row < pixels.height(); ++row) std::fill_n(&pixels(0, row), columns, std::uint8_t{1});
+    LabelChange change{.frame = frame, .act = LabelAct::brush};
+    change.landmarks.resize(kSupersetSize);
+    change.mask = std::make_shared<const LabelMask>(mask_from_pixels_of_hand(pixels));
+    return change;
+  };
+  one.add(painted(0, 4));
+  other.add(painted(0, 6));
+  one.add(painted(1, 0));
+  other.add(painted(1, 0));
+  const auto camera_of = [](std::int64_t) { return kLabelCamera; };
+  const LabelAgreement agreement = agreement_of(one, other, LabelState::corrected, camera_of);
+  ASSERT_EQ(agreement.each.size(), 2U);
+  EXPECT_NEAR(agreement.each[0].mask_iou, 4.0 / 6.0, 1e-12);
+  EXPECT_TRUE(std::isnan(agreement.each[0].mean_mm));
+  EXPECT_EQ(agreement.each[1].mask_iou, 1.0) << "both say that no pixel is hand";
+  LabelBook smaller(closing_hand_head(2));
+  smaller.add(painted(0, 4, 50));
+  EXPECT_THAT(testing::error_of([&] { (void)agreement_of(one, smaller, LabelState::corrected, camera_of); }),
+              HasSubstr("160x120 and of 50x120"));
 }
 
 }  // namespace

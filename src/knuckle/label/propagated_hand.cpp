@@ -2,6 +2,7 @@
 #include "knuckle/label/propagated_hand.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "knuckle/camera/projection.h"
@@ -19,25 +20,17 @@ std::vector<ImagePoint> first_estimate_of(HandKey hand, const LabelBook& book) {
   return points;
 }
 
-/// The verified hands around one, in the same sequence.
+/// The verified hands around one that were fitted.
 std::vector<LabelAnchor> anchors_of(HandKey hand, const LabelBook& book, const FittedHands& fits, int reach) {
   std::vector<LabelAnchor> anchors;
-  const int sequence = fits.sequence_of(hand.frame);
-  for (const int direction : {-1, 1}) {
-    for (int away = 1; away <= reach; ++away) {
-      const HandKey other{hand.frame + direction * away, hand.side};
-      if (other.frame < 0 || other.frame >= book.head().frames || fits.sequence_of(other.frame) != sequence)
-        break;
-      const HandHistory* const history = book.find(other);
-      if (history == nullptr || history->state() != LabelState::verified) continue;
-      const LabelFit* const fit = fits.find(other);
-      if (fit == nullptr) continue;
-      anchors.push_back({.away = away,
-                         .is_before = direction < 0,
-                         .fit = fit,
-                         .labels = &history->newest().landmarks,
-                         .estimates = first_estimate_of(other, book)});
-    }
+  for (const HandKey& other : verified_around(hand, book, fits, reach)) {
+    const LabelFit* const fit = fits.find(other);
+    if (fit == nullptr) continue;
+    anchors.push_back({.away = static_cast<int>(std::abs(other.frame - hand.frame)),
+                       .is_before = other.frame < hand.frame,
+                       .fit = fit,
+                       .labels = &book.find(other)->newest().landmarks,
+                       .estimates = first_estimate_of(other, book)});
   }
   return anchors;
 }
@@ -57,10 +50,25 @@ bool has_moved(const std::vector<LandmarkLabel>& before, const std::vector<Landm
 
 }  // namespace
 
-std::optional<PropagatedHand> propagated_hand(HandKey hand, const Frame& frame, const LabelBook& book,
-                                              const FittedHands& fits, int reach) {
+std::vector<HandKey> verified_around(HandKey hand, const LabelBook& book, const FittedHands& fits,
+                                     int reach) {
+  std::vector<HandKey> around;
+  const int sequence = fits.sequence_of(hand.frame);
+  for (const int direction : {-1, 1}) {
+    for (int away = 1; away <= reach; ++away) {
+      const HandKey other{hand.frame + direction * away, hand.side};
+      if (other.frame < 0 || other.frame >= book.head().frames || fits.sequence_of(other.frame) != sequence)
+        break;
+      const HandHistory* const history = book.find(other);
+      if (history != nullptr && history->state() == LabelState::verified) around.push_back(other);
+    }
+  }
+  return around;
+}
+
+std::optional<PropagatedHand> following_hand(HandKey hand, const Frame& frame, const LabelBook& book,
+                                             const FittedHands& fits, int reach) {
   const HandHistory* const history = book.find(hand);
-  if (history != nullptr && history->state() >= LabelState::corrected) return std::nullopt;
   const std::vector<LabelAnchor> anchors = anchors_of(hand, book, fits, reach);
   if (anchors.empty()) return std::nullopt;
   const Projection projection(frame.camera);
@@ -74,9 +82,19 @@ std::optional<PropagatedHand> propagated_hand(HandKey hand, const Frame& frame, 
   const auto fit = fit_labels(frame, hand.side, book.head().convention, labels, estimates,
                               context_beside(fits.context_of(hand), anchors), fits.options());
   if (!fit) return std::nullopt;
-  labels = with_fit(std::move(labels), *fit, LabelState::propagated);
-  if (history != nullptr && !has_moved(history->newest().landmarks, labels, projection)) return std::nullopt;
-  return PropagatedHand{std::move(labels), *fit};
+  return PropagatedHand{with_fit(std::move(labels), *fit, LabelState::propagated), *fit};
+}
+
+std::optional<PropagatedHand> propagated_hand(HandKey hand, const Frame& frame, const LabelBook& book,
+                                              const FittedHands& fits, int reach) {
+  const HandHistory* const history = book.find(hand);
+  if (history != nullptr && history->state() >= LabelState::corrected) return std::nullopt;
+  auto following = following_hand(hand, frame, book, fits, reach);
+  if (!following) return std::nullopt;
+  const bool has_stayed = history != nullptr && !has_moved(history->newest().landmarks, following->labels,
+                                                           Projection(frame.camera));
+  if (has_stayed) return std::nullopt;
+  return following;
 }
 
 }  // namespace knuckle

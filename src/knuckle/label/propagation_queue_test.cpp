@@ -27,6 +27,32 @@ std::vector<std::int64_t> all_of(PropagationQueue& queue) {
   return frames;
 }
 
+TEST(PropagationQueue, WhatWaitedInAnEarlierSessionIsPutInAndWhatHasFollowedIsNot) {
+  LabelBook book(testing::closing_hand_head(kQueueFrames));
+  const auto add = [&](std::int64_t frame, std::int64_t revision, LabelAct act, LabelState state) {
+    LabelChange change{.frame = frame, .revision = revision, .act = act};
+    change.landmarks.resize(kSupersetSize);
+    change.landmarks[0] = {.at = {10.0, 20.0, 500.0}, .state = state};
+    book.add(std::move(change));
+  };
+  add(3, 1, LabelAct::propagate, LabelState::propagated);
+  add(4, 1, LabelAct::verify, LabelState::verified);
+  add(5, 1, LabelAct::propagate, LabelState::propagated);
+  add(8, 1, LabelAct::import, LabelState::verified);
+  PropagationQueue queue(2);
+  queue.add_interrupted(book);
+  EXPECT_EQ(all_of(queue), (std::vector<std::int64_t>{3, 2, 6})) << "5 has followed, 8 pulls nothing";
+  add(1, 1, LabelAct::verify, LabelState::verified);
+  queue.add_interrupted(book);
+  EXPECT_EQ(all_of(queue), (std::vector<std::int64_t>{6, 0, 2, 3})) << "in the order of what was verified";
+  queue.add_interrupted(book);
+  EXPECT_EQ(all_of(queue).size(), 4U) << "each once, though put in before";
+  add(1, 2, LabelAct::undo, LabelState::estimated);
+  queue.add_interrupted(book);
+  EXPECT_EQ(all_of(queue), (std::vector<std::int64_t>{3, 2, 6}))
+      << "what is verified no longer pulls nothing";
+}
+
 TEST(PropagationQueue, TheNearestComeFirstAsFarAsTheReachAndTheFramesGo) {
   PropagationQueue queue(3);
   EXPECT_FALSE(queue.take());
