@@ -17,7 +17,7 @@
 #include "knuckle/pipeline/record_of.h"
 #include "knuckle/prepare/open_source.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/own_file.h"
+#include "knuckle/storage/open_own_file.h"
 #include "knuckle/track/run_live.h"
 #include "knuckle/view/live_server.h"
 

@@ -13,7 +13,7 @@
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/own_file.h"
+#include "knuckle/storage/open_own_file.h"
 
 namespace fs = std::filesystem;
 

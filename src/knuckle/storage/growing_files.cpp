@@ -15,7 +15,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/text.h"
 #include "knuckle/storage/file_io.h"
-#include "knuckle/storage/own_file.h"
+#include "knuckle/storage/open_own_file.h"
 
 namespace fs = std::filesystem;
 

@@ -13,7 +13,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/storage/deflate.h"
-#include "knuckle/storage/own_file.h"
+#include "knuckle/storage/open_own_file.h"
 
 namespace fs = std::filesystem;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "knuckle/storage/own_file.h"
+#include "knuckle/storage/open_own_file.h"
 
 #include <cerrno>
 #include <system_error>
