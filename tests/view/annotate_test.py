@@ -108,6 +108,7 @@ class AnnotateTest(unittest.TestCase):
                 revision = max(0, len(lines_of(self.file)) - 1)
                 self.assertGreaterEqual(revision, accepted, "an accepted change is lost")
                 self.assertLessEqual(revision, accepted + 1, "at most one was on its way")
+                accepted = revision  # what is on the disk stays there, answered or not
                 killer = threading.Timer(chance.uniform(0.05, 0.5), annotate.process.kill)
                 killer.start()
                 try:
