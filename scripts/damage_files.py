@@ -335,12 +335,12 @@ def convention_cases(_, root):
     return made
 
 
-def killed(program, arguments, left):
-    """Runs the program until it has left that file, and kills it; again where it was done before."""
+def killed(program, arguments, left, bytes_at_least=1):
+    """Runs the program until it has left that file, so long at least, and kills it; again where it was done before."""
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     for _ in range(20):
         process = subprocess.Popen([program, *map(str, arguments)], cwd=PROJECT, **silent)
-        while process.poll() is None and not (left.exists() and left.stat().st_size > 0):
+        while process.poll() is None and not (left.exists() and left.stat().st_size >= bytes_at_least):
             time.sleep(0.001)
         process.kill()
         process.wait()
@@ -367,7 +367,7 @@ def interrupted_cases(program, root):
     take = root / "take"
     take.mkdir()
     record = ["record", "--source", f"folder:{root / 'folder'}?rate=0.2", "--out", take / "take.h5"]
-    killed(program, record, take / "take.h5.partial")
+    killed(program, record, take / "take.h5.partial", bytes_at_least=1000)  # more than its head
     made.append(Case("record --finish", take, "take.h5.partial", ["record", "--finish", "FOLDER/take.h5"], with_record_sums))
     parts = root / "parts"
     parts.mkdir()

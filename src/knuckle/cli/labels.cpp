@@ -143,9 +143,10 @@ std::vector<HandToImport> hands_of_source(const LabelsArguments& arguments, cons
   std::vector<HandToImport> hands;
   for (std::int64_t i = 0; i < source.size(); ++i) {
     Frame frame = source.read(i);
-    if (frame.hands.empty() && frame.truth)
+    if (frame.hands.empty() && frame.truth) {
       frame.hands.push_back(
           {.side = frame.side.value_or(HandSide::right), .pose = *frame.truth, .occluders = {}});
+    }
     for (HandTruth& hand : frame.hands) {
       if (frame.hands.size() == 1 && arguments.side) hand.side = *arguments.side;
       if (arguments.side.value_or(hand.side) == hand.side) hands.push_back({i, std::move(hand)});

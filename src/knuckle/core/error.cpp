@@ -20,7 +20,7 @@ std::string_view shortened(std::string_view text) {
 
 /// One line of printable text, which no terminal takes for a command.
 std::string one_line(std::string_view message) {
-  const std::string shown = printable(shortened(message));
+  std::string shown = printable(shortened(message));
   if (message.size() <= kLongestMessage && shown.size() <= kLongestMessage) return shown;
   return std::string(shortened(shown)) + "...";
 }

@@ -223,7 +223,7 @@ void SharedTreeGrower<Features, Statistics>::start(const OwnSamples& samples, st
 template <SharedFeatures Features, SharedStatistics Statistics>
 std::vector<std::int64_t> SharedTreeGrower<Features, Statistics>::begins_of_all(std::int64_t own,
                                                                                 std::int64_t total) {
-  const std::vector<std::int64_t> begins = values_of_all(workers_, own);
+  std::vector<std::int64_t> begins = values_of_all(workers_, own);
   if (begins.front() != 0 || begins.back() > total || !std::ranges::is_sorted(begins))
     fail("forest training: the workers' parts of a tree's samples do not follow one another");
   return begins;

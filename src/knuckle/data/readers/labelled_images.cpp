@@ -54,9 +54,10 @@ LabelledImages::Entry LabelledImages::read(std::int64_t index, std::size_t numbe
   const std::size_t name_start = line.find_first_not_of(" \t");
   const std::size_t name_end = std::min(line.find_first_of(" \t", name_start), line.size());
   const std::string name = line.substr(name_start, name_end - name_start);
-  if (!name.ends_with(".png"))
+  if (!name.ends_with(".png")) {
     fail("{}: starts with '{}', expected the name of a .png", lines_->where(index),
          printable(shortened(name, 80)));
+  }
   require_inside(name, lines_->where(index));
   return {name, images_ / name,
           parse_annotation(std::string_view(line).substr(name_end), number_count, lines_->where(index))};
