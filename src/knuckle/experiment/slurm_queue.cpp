@@ -92,7 +92,7 @@ std::string SlurmQueue::submit(const ExperimentStep& step, const std::filesystem
   if (answer.status != 0) fail("{}: sbatch does not take it: {}", step.name, complaint_of(answer));
   // "17", or "17;cluster"; warnings may stand before it.
   const std::vector<std::string_view> lines = split(trimmed(answer.output), '\n');
-  const std::string number(trimmed(split(lines.back(), ';').front()));
+  std::string number(trimmed(split(lines.back(), ';').front()));
   known_[number] = {JobState::Kind::alive, "PENDING"};
   return number;
 }
