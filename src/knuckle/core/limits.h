@@ -24,8 +24,8 @@ inline constexpr double kDepthUnitMm = 1000.0;                         ///< of a
 /// Of a set in one file each frame takes this many bytes of it or more: what lists an image alone takes more.
 /// A few frames more are none too many for a small file.
 inline constexpr std::int64_t kFrameBytes = 16;
-inline constexpr std::int64_t kFewFrames = 65536;
-inline constexpr std::int64_t kNameLength = 4096;                       ///< of a name in a file [bytes]
+inline constexpr std::int64_t kFewFrames = 65536;  ///< of such a set, beside those that its bytes allow
+inline constexpr std::int64_t kNameLength = 4096;  ///< of a name in a file [bytes]
 inline constexpr std::int64_t kLineLength = std::int64_t{1} << 20;      ///< of a line of a text file [bytes]
 inline constexpr std::int64_t kTextFileBytes = std::int64_t{1} << 32;   ///< of a file of lines
 inline constexpr std::int64_t kDocumentBytes = std::int64_t{16} << 20;  ///< of a TOML file
@@ -41,7 +41,7 @@ inline constexpr std::int64_t kRecordingChunkBytes = std::int64_t{256}
 /// What the chunks of a recording that does not list its messages unpack to: so many bytes, and so many
 /// times the recording's own. Images without a single measurement are packed better, but are not all.
 inline constexpr std::int64_t kUnpackedBytes = std::int64_t{1} << 30;
-inline constexpr std::int64_t kUnpackedTimes = 100;
+inline constexpr std::int64_t kUnpackedTimes = 100;  ///< of such a recording's own bytes
 inline constexpr std::int64_t kRecordedMessages = std::int64_t{1}
                                                   << 22;  ///< of images and cameras in a recording
 inline constexpr std::int64_t kRecordingElements = std::int64_t{1}
