@@ -49,9 +49,10 @@ void require_replaceable(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto status = std::filesystem::symlink_status(path, ignored);
   if (std::filesystem::is_directory(status)) fail("{}: cannot write: it is a folder", path.string());
-  if (std::filesystem::is_other(status))
+  if (std::filesystem::is_other(status)) {
     fail("{}: cannot write: it is a device, a pipe or a socket, expected a file or a new name",
          path.string());
+  }
 }
 
 /// A new, empty file beside `named`; removed at the end of its scope, unless it was renamed.
