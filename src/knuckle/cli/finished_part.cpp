@@ -45,13 +45,13 @@ void set_aside(const fs::path& out, std::string_view fault) {
 bool is_part_finished(const fs::path& out, const FrameWriterOptions& options) {
   if (!options.part_of || !fs::exists(out)) return false;
   if (!fs::is_regular_file(out)) fail("{}: is no file; name another", out.string());
+  std::string found;
   try {
-    check_h5(out);
+    found = difference(check_h5(out), options);
   } catch (const Error& error) {
     set_aside(out, error.what());
     return false;
   }
-  const std::string found = difference(H5Source(out).facts(), options);
   if (!found.empty()) fail("{}: {}; remove it, or name another file", out.string(), found);
   return true;
 }

@@ -51,8 +51,9 @@ class RecordLines {
     check_writable(path);
     partial_ = path + ".partial";
     const int descriptor = open_own_file_alone(partial_, O_CREAT, "another run is writing it");
-    if (::ftruncate(descriptor, 0) != 0) fail("{}: cannot be written", path);
+    const bool is_empty = ::ftruncate(descriptor, 0) == 0;
     file_ = ::fdopen(descriptor, "wb");
+    if (!is_empty || file_ == nullptr) fail("{}: cannot be written", path);
   }
   ~RecordLines() {
     if (!partial_.empty() && file_ != nullptr) std::fclose(file_);

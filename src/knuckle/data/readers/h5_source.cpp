@@ -361,14 +361,15 @@ Frame H5Source::read(std::int64_t index) const {
   return frame;
 }
 
-void check_h5(const std::filesystem::path& path) {
+H5Facts check_h5(const std::filesystem::path& path) {
   const H5Source source(path);
-  (void)source.facts();
+  H5Facts facts = source.facts();
   Progress progress("check", "frames", source.size());
   parallel_for(source.size(), [&](std::int64_t index) {
     (void)source.read(index);
     progress.advance();
   });
+  return facts;
 }
 
 }  // namespace knuckle
