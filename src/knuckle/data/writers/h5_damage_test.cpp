@@ -53,9 +53,10 @@ void write_tiny_set(const fs::path& path) {
 std::string content_of(const fs::path& path) {
   const H5Source source(path);
   const H5Facts facts = source.facts();
+  const IndexRange whole = facts.part_of.value_or(IndexRange{});
   std::string content =
-      fmt::format("{} {} {} {} {} {} {}", facts.frames.first, facts.frames.count, facts.part_of->first,
-                  facts.part_of->count, facts.manifest, facts.generator, facts.depth_unit_mm);
+      fmt::format("{} {} {} {} {} {} {}", facts.frames.first, facts.frames.count, whole.first, whole.count,
+                  facts.manifest, facts.generator, facts.depth_unit_mm);
   const auto add = [&](const auto& values) {
     for (const auto value : values) content += fmt::format(" {}", value);
   };
