@@ -46,6 +46,13 @@ if(KNUCKLE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
   add_compile_definitions(FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION)
 endif()
+# Release leaves assertions out. Tests are to see them, ours and those of the standard library (an index behind the end).
+option(KNUCKLE_ASSERTIONS "Check assertions whatever the build type is, and the standard library's preconditions" OFF)
+if(KNUCKLE_ASSERTIONS)
+  # GCC 12 takes what fmt's assertions leave for a write behind the end.
+  add_compile_options(-UNDEBUG $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)
+endif()
 if(KNUCKLE_SANITIZE STREQUAL "address")
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
