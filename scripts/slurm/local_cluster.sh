@@ -27,10 +27,12 @@ check() {
   fault=$(unshare --fork --pid --mount-proc --kill-child true 2>&1) || die "a namespace cannot be made here (a container without CAP_SYS_ADMIN?): $fault"
 }
 
-# Ports differ from folder to folder, so that several clusters do not meet.
+# Ports differ from folder to folder, so that several clusters do not meet; so do the numbers of jobs, from which the
+# ports of trainings by several processes follow (20,000 to 29,999).
 write_configuration() {
-  local port memory
-  port=$((20000 + $(cksum <<<"$folder" | cut -d' ' -f1) % 5000 * 2))
+  local number port memory
+  number=$(cksum <<<"$folder" | cut -d' ' -f1)
+  port=$((14000 + number % 3000 * 2))
   memory=$(awk '/MemTotal/ { print int($2 / 1024 * 0.9) }' /proc/meminfo)
   mkdir -p "$folder/state" "$folder/spool"
   cat >"$SLURM_CONF" <<CONF
@@ -38,6 +40,7 @@ ClusterName=local
 SlurmctldHost=$(hostname -s)(127.0.0.1)
 SlurmctldPort=$port
 SlurmdPort=$((port + 1))
+FirstJobId=$((1 + number % 1000003))
 CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
 SlurmUser=root
 SlurmdUser=root
