@@ -348,6 +348,25 @@ TEST_F(VerbsTest, SyntheticFramesAreScoredInTheLandmarksOfADataSet) {
   }
 }
 
+TEST_F(VerbsTest, MethodsWithADataSetsOwnLandmarksAreScoredBesideThoseThatAreMovedThere) {
+  const std::string source = "synthetic:manifests/demo.toml?count=4";
+  const auto estimate = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"estimate", "--source", source, "--out", path(name)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    ASSERT_THAT(run_program(arguments), Succeeded());
+  };
+  estimate("all22.txt", {});
+  estimate("own14.txt", {"--landmarks", "nyu14"});
+  ASSERT_THAT(run_program({"evaluate", "--truth", source, "--predictions", "moved=" + path("all22.txt"),
+                           "--predictions", "own=" + path("own14.txt"), "--landmarks", "nyu14", "--json",
+                           path("scores.json")}),
+              Succeeded());
+  const auto methods = nlohmann::json::parse(read_text_file(path("scores.json")))["methods"];
+  ASSERT_EQ(methods.size(), 2u);
+  for (const auto& method : methods) EXPECT_EQ(method["joints"].size(), 14u);
+  EXPECT_NEAR(methods[0]["mean_3d_mm"], methods[1]["mean_3d_mm"], 0.002);
+}
+
 TEST_F(VerbsTest, ADataSetMayHaveLandmarksOfItsOwn) {
   write_text_file(path("lab3.toml"),
                   "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"lab3\"\n"

@@ -136,14 +136,19 @@ Truth truth_from_source(const FrameSource& source, const std::string& name) {
 }
 
 void move_landmarks(const LandmarkDefinition& definition, Truth& truth, std::vector<Predictions>& methods) {
+  const auto has_all = [](const Convention& convention) {
+    return map_convention(convention, superset_convention()).missing.empty();
+  };
   for (Predictions& method : methods) {
+    // Who predicts a data set's own landmarks has nothing to be moved.
+    if (method.sequence.convention == definition.convention && !has_all(definition.convention)) continue;
     require_all_landmarks(method.sequence.convention, method.sequence.origin);
     if (method.sequence.poses.size() != truth.sequence.poses.size()) continue;  // which the evaluation says
     move_sequence(definition, truth, method.sequence);
   }
   const Convention& labelled = truth.sequence.convention;
-  const bool has_all = map_convention(labelled, superset_convention()).missing.empty();
-  if (has_all && labelled != definition.convention) move_sequence(definition, truth, truth.sequence);
+  if (has_all(labelled) && labelled != definition.convention)
+    move_sequence(definition, truth, truth.sequence);
 }
 
 NamedPath named_path_from_text(std::string_view text) {
