@@ -113,6 +113,10 @@ TEST_F(OwnConvention, FaultsNameFileAndLine) {
            {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"elbow\"\n",
             "lab.toml:4: mine.bone: is none of the 22"},
            {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"nyu_wrist_1\"\n", "is none of the 22"},
+           // Landmarks hang on our 22 alone, so none can hang on itself, however far around.
+           {head + "landmarks = [\"mine\"]\n[mine]\nbone = \"mine\"\n", "mine.bone: is none of the 22"},
+           {head + "landmarks = [\"one\", \"two\"]\n[one]\nbone = \"two\"\n[two]\nbone = \"one\"\n",
+            "lab.toml:4: one.bone: is none of the 22"},
            {head + "landmarks = [\"Mine\"]\n[Mine]\nbone = \"palm\"\n", "'Mine' cannot name a landmark"},
            {"convention = \"icvl16\"\nlandmarks = [\"palm\"]\n", "'icvl16' is one that every data set knows"},
            {"convention = \"a b\"\nlandmarks = [\"palm\"]\n", "'a b' cannot name a convention"},

@@ -338,5 +338,15 @@ TEST(LandmarkDefinitionTest, BadFilesAreRefusedByName) {
               HasSubstr("share"));
 }
 
+TEST(LandmarkDefinitionTest, NoLandmarkLiesOnTheWayToItself) {
+  const TemporaryFolder folder;
+  const auto path = folder / "own_way.toml";
+  std::ofstream(path) << "format = \"knuckle-landmarks\"\nversion = 1\nconvention = \"own_way\"\n"
+                         "landmarks = [\"one\", \"two\"]\n"
+                         "[one]\nbone = \"palm\"\ntowards = \"two\"\nshare = 0.5\n"
+                         "[two]\nbone = \"palm\"\ntowards = \"one\"\nshare = 0.5\n";
+  EXPECT_THAT(error_of([&] { LandmarkDefinition::load(path); }), HasSubstr("own_way.toml:7: one.towards"));
+}
+
 }  // namespace
 }  // namespace knuckle

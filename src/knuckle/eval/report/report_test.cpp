@@ -145,6 +145,28 @@ TEST_F(ReportTest, VisibleAndHiddenLandmarksStandApart) {
   EXPECT_THAT(json, Not(HasSubstr("\"border\"")));
 }
 
+TEST_F(ReportTest, DifferencesOfTwoMethodsAreATable) {
+  ASSERT_EQ(report_.evaluation->differences.size(), 1u);
+  report_.evaluation->differences[0] = {.first = 0,
+                                        .second = 1,
+                                        .frames = 11,
+                                        .block_frames = 1,
+                                        .mean_mm = -17.254,
+                                        .low_mm = -18.5,
+                                        .high_mm = 0.125,
+                                        .p_value = 0.0312};
+  const std::string html = page();
+  EXPECT_THAT(html, HasSubstr("<h2>Differences</h2>"));
+  EXPECT_THAT(html, HasSubstr("<td>11</td>"));
+  EXPECT_THAT(html, HasSubstr("-17.25"));
+  EXPECT_THAT(html, HasSubstr("-18.50 to +0.12"));
+  EXPECT_THAT(html, HasSubstr("0.031"));
+  EXPECT_EQ(count_of(html, "<script>"), 0) << "names are escaped";
+  // Where too few frames have a pose of both nothing is said, not a number that is none.
+  report_.evaluation->differences[0].mean_mm = kNaN;
+  EXPECT_THAT(page(), Not(HasSubstr("Differences")));
+}
+
 TEST_F(ReportTest, WithoutTruthThereIsAGallery) {
   const FakeSource source;
   Report report;
