@@ -26,8 +26,8 @@ FullyConnectedLayer::FullyConnectedLayer(int inputs, int outputs, Activation act
     : inputs_(inputs),
       outputs_(outputs),
       activation_(activation),
-      scales_(norm.scales),
-      shifts_(norm.shifts) {
+      scales_(singles_of(norm.scales)),
+      shifts_(singles_of(norm.shifts)) {
   const int blocks = (outputs + kOutputsPerBlock - 1) / kOutputsPerBlock;
   columns_.resize(static_cast<std::size_t>(blocks) * inputs);
   scales_.resize(static_cast<std::size_t>(blocks) * kOutputsPerBlock);

@@ -34,8 +34,9 @@ INSTANTIATE_TEST_SUITE_P(, FullyConnectedLayers,
 TEST_P(FullyConnectedLayers, AreTheDefinition) {
   const auto [inputs, outputs] = GetParam();
   const std::vector<Half> weights = random_halves(static_cast<std::size_t>(inputs) * outputs, 1);
-  const FoldedNorm norm{random_floats(static_cast<std::size_t>(outputs), 2),
-                        random_floats(static_cast<std::size_t>(outputs), 4)};
+  const std::vector<float> scales = random_floats(static_cast<std::size_t>(outputs), 2);
+  const std::vector<float> shifts = random_floats(static_cast<std::size_t>(outputs), 4);
+  const FoldedNorm norm{{scales.begin(), scales.end()}, {shifts.begin(), shifts.end()}};
   std::vector<float> input = random_floats(static_cast<std::size_t>(inputs), 3);
   for (float& value : input) value = std::max(value, 0.0f);  // zeros among them, as after a ReLU
   const std::vector<float> linear =

@@ -13,8 +13,9 @@ FullyConnectedLayer layer_of(const NetworkWeights& weights, const std::string& n
     const FoldedNorm norm = folded_norm(weights, name + ".norm");
     return {inputs, layer.units, Activation::relu, products, norm};
   }
-  const std::vector<float> ones(static_cast<std::size_t>(layer.units), 1.0f);
-  return {inputs, layer.units, Activation::linear, products, {ones, weights.floats(name + ".linear.bias")}};
+  const std::vector<float> biases = weights.floats(name + ".linear.bias");
+  const FoldedNorm none{std::vector(biases.size(), 1.0), {biases.begin(), biases.end()}};
+  return {inputs, layer.units, Activation::linear, products, none};
 }
 
 }  // namespace

@@ -7,14 +7,23 @@
 namespace knuckle {
 
 FoldedNorm folded_norm(const WeightArrays& weights, const std::string& name) {
-  FoldedNorm norm{weights.floats(name + ".weight"), weights.floats(name + ".bias")};
+  const std::vector<float> factors = weights.floats(name + ".weight");
+  const std::vector<float> biases = weights.floats(name + ".bias");
   const std::span<const float> means = weights.singles(name + ".running_mean");
   const std::span<const float> variances = weights.singles(name + ".running_var");
-  for (std::size_t i = 0; i < norm.scales.size(); ++i) {
-    norm.scales[i] /= std::sqrt(variances[i] + kNormEpsilon);
-    norm.shifts[i] -= means[i] * norm.scales[i];
+  FoldedNorm norm;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const double scale = factors[i] / std::sqrt(double{variances[i]} + kNormEpsilon);
+    norm.scales.push_back(scale);
+    norm.shifts.push_back(biases[i] - means[i] * scale);
   }
   return norm;
+}
+
+std::vector<float> singles_of(const std::vector<double>& numbers) {
+  std::vector<float> singles;
+  for (const double number : numbers) singles.push_back(static_cast<float>(number));
+  return singles;
 }
 
 }  // namespace knuckle

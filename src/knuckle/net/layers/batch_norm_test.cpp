@@ -26,6 +26,10 @@ TEST(FoldedNorm, IsTheDefinition) {
   EXPECT_NEAR(norm.shifts[0], 0.5f - 3.0f * 632.4555f, 5e-2f);
   EXPECT_NEAR(norm.scales[1], -0.5f, 1e-5f);
   EXPECT_NEAR(norm.shifts[1], -1.0f, 1e-5f);
+  // Nothing is rounded to single precision yet.
+  const double exact = 2.0 / std::sqrt(double{kNormEpsilon});
+  EXPECT_NEAR(norm.scales[0], exact, 1e-12 * exact);
+  EXPECT_NEAR(norm.shifts[0], 0.5 - 3.0 * exact, 1e-12 * exact);
 }
 
 }  // namespace

@@ -123,6 +123,28 @@ TEST_P(Convolutions, AreTheDefinitions) {
   }
 }
 
+TEST_P(Convolutions, RoundLittle) {
+  const Convolution::Shape& shape = GetParam().shape;
+  const FeatureMap input = input_map(shape.padding);
+  const Convolution convolution(shape, input.pixel_stride(), weights_, bias_);
+  const int size = convolution.output_size(GetParam().size);
+  FeatureMap output({size, size, shape.outputs, 1});
+  convolution.apply(input, output, Activation::linear);
+  double squares = 0.0;
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      for (int o = 0; o < shape.outputs; ++o) {
+        const double error = output.pixel(row, column)[o] - reference(input, o, row, column);
+        squares += error * error;
+      }
+    }
+  }
+  const double error = std::sqrt(squares / (size * size * shape.outputs));
+  const double terms = static_cast<double>(weight_count()) / shape.outputs;
+  // By the definition half of that at most; by tiles with the points of the paper, twice that.
+  EXPECT_LT(error, 0x1p-26 * terms);
+}
+
 TEST_P(Convolutions, LeaveTheBorderAndTheSpareChannelsZero) {
   const Convolution::Shape& shape = GetParam().shape;
   const FeatureMap input = input_map(shape.padding);

@@ -23,14 +23,16 @@ Convolution folded_convolution(const EncoderDecoderShape& shape, const WeightArr
   const FoldedNorm norm = folded_norm(weights, name + ".norm");
   const std::size_t kernel_size = kernels.size() / norm.scales.size();
   for (std::size_t i = 0; i < norm.scales.size(); ++i) {
-    for (float& weight : std::span(kernels).subspan(i * kernel_size, kernel_size)) weight *= norm.scales[i];
+    for (float& weight : std::span(kernels).subspan(i * kernel_size, kernel_size))
+      weight = static_cast<float>(weight * norm.scales[i]);
   }
   const Convolution::Shape convolution{.inputs = unit.inputs,
                                        .outputs = unit.outputs,
                                        .kernel = unit.kernel,
                                        .stride = unit.stride,
                                        .padding = unit.kernel / 2};
-  return {convolution, name == "stem" ? unit.inputs : whole_lanes(unit.inputs), kernels, norm.shifts};
+  return {convolution, name == "stem" ? unit.inputs : whole_lanes(unit.inputs), kernels,
+          singles_of(norm.shifts)};
 }
 
 Convolution head_convolution(const EncoderDecoderShape& shape, const WeightArrays& weights) {
