@@ -3,7 +3,7 @@
 """What the Python package costs beside the library itself, on one core.
 
     /usr/bin/python3 bench/python_cost.py [--build build/release] [--pipeline pipelines/default.toml]
-        [--manifest manifests/demo.toml] [--frames 200] [--rounds 5] [--estimates 0]
+        [--manifest manifests/demo.toml] [--frames 40] [--rounds 5] [--estimates 0]
 
 C++ (knuckle_frame_cost) and Python render and estimate the same frames in turns; medians over the frames, then over the
 rounds. With --estimates one frame is estimated so many times in a loop, at a quarter of its size, and the memory of the
@@ -73,7 +73,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     parser.add_argument("--pipeline", type=pathlib.Path, default=ROOT / "pipelines" / "default.toml")
     parser.add_argument("--manifest", type=pathlib.Path, default=ROOT / "manifests" / "demo.toml")
-    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--frames", type=int, default=40)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--estimates", type=int, default=0)
     arguments = parser.parse_args()
