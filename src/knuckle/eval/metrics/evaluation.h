@@ -51,9 +51,9 @@ Truth truth_from_file(const std::filesystem::path& path, const std::optional<Con
 Truth truth_from_source(const FrameSource& source, const std::string& name);
 
 /// Moves all predictions to where a definition says that a data set's landmarks lie, but those that are in a
-/// convention of the data set's own already; a truth of another convention that has all of the 22 too, so that
-/// they can be scored on synthetic frames. Throws an Error where predictions lack some of the 22 landmarks that
-/// this is made of.
+/// convention of the data set's own already; a truth of another convention that has all of the 22 too, so
+/// that they can be scored on synthetic frames. Throws an Error where predictions lack some of the 22
+/// landmarks that this is made of.
 void move_landmarks(const LandmarkDefinition& definition, Truth& truth, std::vector<Predictions>& methods);
 
 /// One `NAME=PATH` of the option `--predictions`.
