@@ -37,6 +37,8 @@ development_packages=(
   python3-onnx
   # a scheduler and a starter of jobs for their tests (6 MB to fetch)
   slurmctld slurmd slurm-client parallel
+  # joins two name spaces by a cable, for the tests of trainings on two machines
+  iproute2
   # what the notebooks use (examples/notebooks)
   python3-matplotlib python3-torch
 )

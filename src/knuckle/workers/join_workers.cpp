@@ -22,6 +22,7 @@
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/storage/content_hash.h"
 #include "knuckle/workers/meeting_place.h"
+#include "knuckle/workers/own_address.h"
 #include "knuckle/workers/watch.h"
 
 namespace knuckle {
@@ -60,13 +61,14 @@ std::string difference(const std::vector<WorkerTrait>& traits, const std::string
   return "another build of the program";
 }
 
+/// The network that workers talk over: the one that is named, else the one that leads to worker 0. A
+/// machine's own name often stands for its loopback.
 std::shared_ptr<gloo::transport::Device> network_device(const WorkerPlace& place) {
-  constexpr const char* kHere = "127.0.0.1";
-  const char* const named = std::getenv("GLOO_SOCKET_IFNAME");
-  if (place.is_on_one_machine() || place.address == kHere || place.address == "localhost") {
-    return Gloo::createDeviceForHostname(kHere);
-  }
-  return named != nullptr ? Gloo::createDeviceForInterface(named) : Gloo::createDefaultDevice();
+  if (place.is_on_one_machine()) return Gloo::createDeviceForHostname("127.0.0.1");
+  if (const char* const named = std::getenv("GLOO_SOCKET_IFNAME"))
+    return Gloo::createDeviceForInterface(named);
+  const auto own = own_address_towards(place.address, place.port);
+  return own ? Gloo::createDeviceForHostname(*own) : Gloo::createDefaultDevice();
 }
 
 std::string hello(int rank) {
