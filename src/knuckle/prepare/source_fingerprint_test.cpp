@@ -5,7 +5,11 @@
 #include <chrono>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_variable.h"
+#include "knuckle/hand/body_file.h"
+#include "knuckle/hand/testing_body.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/synth/makehuman/makehuman_import.h"
 
 namespace knuckle {
 namespace {
@@ -70,6 +74,20 @@ TEST_F(SourceFingerprintTest, OfASyntheticSourceTheBodyCounts) {
     return source_fingerprint("synthetic:" + (folder_ / "m.toml").string());
   };
   EXPECT_NE(with_body("one body"), with_body("another body"));
+}
+
+TEST_F(SourceFingerprintTest, OfASyntheticSourceWithoutABodyOfItsOwnMakeHumansCounts) {
+  write_text_file(folder_ / "m.toml", "frames = 3\n");
+  const testing::ChangedVariable package("KNUCKLE_MAKEHUMAN", folder_.path().string());
+  const auto with_body = [&](const Body& body) {
+    save_body(body, kept_makehuman_body(folder_.path()));
+    return source_fingerprint("synthetic:" + (folder_ / "m.toml").string());
+  };
+  Body body = testing::box_hand_body();
+  const std::string one = with_body(body);
+  EXPECT_EQ(with_body(body), one);
+  body.v_template[0].x() += 1.0f;
+  EXPECT_NE(with_body(body), one);
 }
 
 TEST_F(SourceFingerprintTest, WhatIsMissingIsNamed) {

@@ -6,6 +6,7 @@
 
 #include "knuckle/core/resources.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_variable.h"
 #include "knuckle/storage/file_io.h"
 #include "knuckle/synth/synthetic_source.h"
 
@@ -128,15 +129,8 @@ TEST_F(ManifestTest, AMissingFileOrBodyIsNamed) {
 
 TEST_F(ManifestTest, WhereMakeHumanIsMissingTheErrorSaysWhatFetchesIt) {
   const std::string nowhere = (folder_ / "nowhere").string();
-  const char* before = std::getenv("KNUCKLE_MAKEHUMAN");
-  const std::string kept = before == nullptr ? "" : before;
-  setenv("KNUCKLE_MAKEHUMAN", nowhere.c_str(), 1);
+  const testing::ChangedVariable package("KNUCKLE_MAKEHUMAN", nowhere);
   const std::string message = testing::error_of([&] { open_synthetic(written("")); });
-  if (before == nullptr) {
-    unsetenv("KNUCKLE_MAKEHUMAN");
-  } else {
-    setenv("KNUCKLE_MAKEHUMAN", kept.c_str(), 1);
-  }
   EXPECT_THAT(message, HasSubstr("scripts/fetch_makehuman.sh"));
   EXPECT_THAT(message, HasSubstr(nowhere));
 }

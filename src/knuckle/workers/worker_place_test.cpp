@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_variable.h"
 #include "knuckle/workers/local_workers.h"
 
 namespace knuckle {
@@ -100,15 +101,8 @@ TEST_F(WorkerPlaceTest, AStepOfSlurmSaysItsTaskAndItsNodes) {
 }
 
 TEST_F(WorkerPlaceTest, WhereNoFolderCanBeMadeWorkersCannotMeet) {
-  const char* const before = std::getenv("TMPDIR");
-  const std::string kept = before == nullptr ? "" : before;
-  set("TMPDIR", "/proc");  // where nobody can make a folder
+  const testing::ChangedVariable folder("TMPDIR", "/proc");  // where nobody can make a folder
   const std::string error = error_of([] { LocalWorkers workers({}, 1); });
-  if (before == nullptr) {
-    ::unsetenv("TMPDIR");
-  } else {
-    set("TMPDIR", kept.c_str());
-  }
   EXPECT_THAT(error, HasSubstr("/proc/knuckle-workers-"));
   EXPECT_THAT(error, HasSubstr("cannot be made, for the workers to meet in"));
 }

@@ -266,6 +266,7 @@ TEST(PgmImage, NamesTheFault) {
   EXPECT_THAT(fault("P5 0 1 65535\n"), HasSubstr("no width"));
   EXPECT_THAT(fault("P5 -2 1 65535\n"), HasSubstr("no width"));
   EXPECT_THAT(fault("P5 99999999999999999999 1 65535\n"), HasSubstr("width is above 16384"));
+  EXPECT_THAT(fault("P5 1 16385 65535\n"), HasSubstr("height is above 16384"));
   EXPECT_THAT(fault("P5 16384 2048 65535\nabcd"), HasSubstr("holds 4 bytes of depth, expected 67108864"));
   EXPECT_THAT(fault("P5 16384 2930 65535\nabcd"),
               HasSubstr("16384 x 2930 pixels, expected at most 48000000"));

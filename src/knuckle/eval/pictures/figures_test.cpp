@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/pictures/figures.h"
 
-#include <cstdlib>
 #include <set>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_variable.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/eval_fixtures.h"
@@ -15,6 +15,7 @@
 namespace knuckle {
 namespace {
 
+using knuckle::testing::ChangedVariable;
 using knuckle::testing::error_of;
 using knuckle::testing::TemporaryFolder;
 using testing::example_predictions;
@@ -33,20 +34,6 @@ Figure small_figure(const std::vector<std::string>& names) {
   for (const std::string& name : names) figure.series.push_back({name, {0.0, kNaN, 100.0}});
   return figure;
 }
-
-/// Puts an environment variable back at the end of its life.
-class ChangedPath {
- public:
-  explicit ChangedPath(const std::string& path) : former_(std::getenv("PATH")) {
-    ::setenv("PATH", path.c_str(), 1);
-  }
-  ~ChangedPath() { ::setenv("PATH", former_.c_str(), 1); }
-  ChangedPath(const ChangedPath&) = delete;
-  ChangedPath& operator=(const ChangedPath&) = delete;
-
- private:
-  std::string former_;
-};
 
 TEST(XmlCheck, TellsGoodFromBad) {
   EXPECT_TRUE(is_well_formed_xml("<?xml version='1.0'?><a b=\"1>2\"><c/><d>x &amp; y</d></a>"));
@@ -140,7 +127,7 @@ TEST(Figures, DrawABarGroupEachCategory) {
 
 TEST(Figures, WithoutGnuplotOneLineSaysSo) {
   const TemporaryFolder folder;
-  const ChangedPath path(folder.path().string());
+  const ChangedVariable path("PATH", folder.path().string());
   const std::string error = error_of([&] { write_figures(std::vector{small_figure({"a"})}, folder.path()); });
   EXPECT_THAT(error, AllOf(HasSubstr("gnuplot"), HasSubstr("not found"), HasSubstr("gnuplot-nox"),
                            Not(HasSubstr("\n"))));
@@ -162,7 +149,7 @@ TEST(Figures, APictureThatGnuplotLeavesIncompleteIsRefused) {
   write_program(
       folder / "gnuplot",
       R"sh(sed -n 's/^set output "\(.*\)"$/\1/p' "$2" | while read -r f; do echo '<svg>' >"$f"; done)sh");
-  const ChangedPath path(folder.path().string() + ":/usr/bin:/bin");
+  const ChangedVariable path("PATH", folder.path().string() + ":/usr/bin:/bin");
   EXPECT_THAT(error_of([&] { write_figures(std::vector{small_figure({"a"})}, folder.path()); }),
               HasSubstr("small.svg: cannot write: gnuplot left it incomplete"));
   EXPECT_FALSE(std::filesystem::exists(folder / "small.svg"));
@@ -171,21 +158,14 @@ TEST(Figures, APictureThatGnuplotLeavesIncompleteIsRefused) {
 TEST(Figures, AGnuplotThatCannotBeStartedIsNamed) {
   const TemporaryFolder folder;
   write_text_file(folder / "gnuplot", "no program");
-  const ChangedPath path(folder.path().string());
+  const ChangedVariable path("PATH", folder.path().string());
   EXPECT_THAT(error_of([] { run_gnuplot(""); }), HasSubstr("gnuplot: cannot be started: "));
 }
 
 TEST(Figures, AFolderForTemporaryFilesIsNeeded) {
-  const char* const before = std::getenv("TMPDIR");
-  const std::string kept = before == nullptr ? "" : before;
-  ::setenv("TMPDIR", "/proc", 1);  // where nobody can make a folder
-  const std::string error = error_of([] { run_gnuplot(""); });
-  if (before == nullptr) {
-    ::unsetenv("TMPDIR");
-  } else {
-    ::setenv("TMPDIR", kept.c_str(), 1);
-  }
-  EXPECT_THAT(error, AllOf(HasSubstr("/proc/knuckle_"), HasSubstr("cannot make a temporary folder")));
+  const ChangedVariable folder("TMPDIR", "/proc");  // where nobody can make a folder
+  EXPECT_THAT(error_of([] { run_gnuplot(""); }),
+              AllOf(HasSubstr("/proc/knuckle_"), HasSubstr("cannot make a temporary folder")));
 }
 
 TEST(Figures, FaultsAreNamed) {

@@ -154,6 +154,20 @@ TEST_F(ForeignHdf5, LinksAreRefused) {
   EXPECT_EQ(Hdf5File::open(path_).read<float>("real").values[7], 7.0F);
 }
 
+TEST_F(ForeignHdf5, ALinkByNameStaysOneWhateverItsAddressSays) {
+  add_chunked({2, 4, 5}, false, false);
+  H5Lmove(file_, "depth", file_, "real", H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_soft("/real", file_, "depth", H5P_DEFAULT, H5P_DEFAULT);
+  close();
+  // Its entry: no address, and the kind 2. The library writes none there; others may.
+  std::string bytes = read_text_file(path_);
+  const std::size_t entry = bytes.find(std::string(8, '\xff') + std::string("\2\0\0\0", 4));
+  ASSERT_NE(entry, std::string::npos);
+  bytes.replace(entry, 8, std::string("\x60\0\0\0\0\0\0\0", 8));  // the group itself
+  write_text_file(path_, bytes);
+  EXPECT_THAT(fault_of_depth(), HasSubstr("is a link"));
+}
+
 TEST_F(ForeignHdf5, ExternalStorageIsRefused) {
   const std::array<hsize_t, 1> shape{16};
   const hid_t space = H5Screate_simple(1, shape.data(), nullptr);

