@@ -37,7 +37,7 @@ std::optional<std::string> own_address_towards(const std::string& host, std::uin
   if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found) != 0) return std::nullopt;
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> all(found, &::freeaddrinfo);
   for (const addrinfo* one = all.get(); one != nullptr; one = one->ai_next) {
-    if (const auto own = own_end(*one)) return own;
+    if (auto own = own_end(*one)) return own;
   }
   return std::nullopt;
 }
