@@ -149,7 +149,8 @@ def render_job(place, manifest, count):
         parts = [folder / "part-0.h5", folder / "part-1.h5"]
         render = [["render", "--manifest", manifest, "--count", count, "--shard", f"{i}/2", "--out", part, "--threads", "1"]
                   for i, part in enumerate(parts)]
-        return [*render, ["join", *parts, "--out", folder / "set.h5"]]
+        whole = folder / "set.h5"  # there already where `join` was killed after its last write
+        return [*render, ["inspect", "--source", f"h5:{whole}"] if whole.exists() else ["join", *parts, "--out", whole]]
 
     return Job(place, "render", ["part-0.h5", "part-0.h5.options.toml", "part-1.h5", "part-1.h5.options.toml", "set.h5"], commands)
 

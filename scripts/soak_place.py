@@ -124,6 +124,7 @@ class Started:
         self.sent = None  # the signal that we sent
         self.may_die = False  # of it: the program does not watch for it yet, or cannot
         self.errors = place.folder / "errors" / who
+        self.errors.unlink(missing_ok=True)  # a worker of the program before, which was killed, may still write there
         with self.errors.open("w") as errors:
             self.process = subprocess.Popen([place.program, *self.arguments], cwd=place.project, env=place.environment, stdout=subprocess.PIPE,
                                             stderr=errors, text=True)

@@ -6,6 +6,8 @@ way in which one of them is missing, lost or different ends all with one line.
     workers_test.py CASE PROGRAM
 """
 import os
+import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -95,6 +97,25 @@ def lost_worker(place):
     place.assert_all_end()
 
 
+def watches_for_signals(process):
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    caught = int(re.search(r"^SigCgt:\s*(\w+)", status, re.MULTILINE).group(1), 16)
+    return bool(caught >> signal.SIGTERM - 1 & 1)
+
+
+def interrupted_while_it_starts(place):
+    """The program that trains takes the first one's place: a signal that comes meanwhile is not lost, and ends nobody in silence."""
+    for later_s in (0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8):
+        process = place.start(place.command("net.pt", 2, epochs=4000))
+        while not watches_for_signals(process):
+            time.sleep(0.001)
+        time.sleep(later_s)
+        process.send_signal(signal.SIGTERM)
+        failed_with(process, "interrupted")
+        place.assert_all_end()
+        (place.folder / "net.pt.checkpoint").unlink(missing_ok=True)
+
+
 def missing_worker(place):
     failed_with(place.start(place.command("net.pt", 2, "--wait", "5"), **met(0, 2, free_port())), "worker 1 of 2 did not come",
                 "5 s")
@@ -159,4 +180,5 @@ def slurm(place):
 
 
 if __name__ == "__main__":
-    run_case(NetworkPlace, same_bytes, resumed, lost_worker, missing_worker, other_options, full_disk, slurm)
+    run_case(NetworkPlace, same_bytes, resumed, lost_worker, interrupted_while_it_starts, missing_worker, other_options, full_disk,
+             slurm)

@@ -40,12 +40,24 @@ void print_exchange(const WorkerGroup* workers, const Stopwatch& watch) {
       static_cast<double>(workers->bytes_sent()) / 1e6);
 }
 
+/// A training with its checkpoint; worker 0 says of each of `all` trees when it was done.
+TrainingRun run_of(const ForestArguments& arguments, int all, const Stopwatch& watch,
+                   const WorkerGroup* workers) {
+  TrainingRun run{.checkpoint = checkpoint_of(arguments, workers)};
+  if (!is_first(workers)) return run;
+  run.tree_done = [all, &watch](int trees) {
+    fmt::print("tree {} of {} done after {:.1f} s\n", trees, all, watch.seconds());
+    std::fflush(stdout);
+  };
+  return run;
+}
+
 void train(const ForestArguments& arguments, const PoseForestTrainingConfig& config, WorkerGroup* workers) {
   if (is_first(workers)) check_writable(arguments.out);
   const Stopwatch watch;
-  const std::filesystem::path checkpoint = checkpoint_of(arguments, workers);
+  const TrainingRun run = run_of(arguments, config.forest.forest.trees, watch, workers);
   const std::optional<PoseForestTraining> training =
-      workers == nullptr ? run_training(config, checkpoint) : run_training(config, checkpoint, *workers);
+      workers == nullptr ? run_training(config, run) : run_training(config, run, *workers);
   if (!training) return;
   save_pose_forest(arguments.out, training->model);
   write_resolved_options(arguments.out, config.resolved_options);
@@ -60,12 +72,7 @@ void train(const ForestArguments& arguments, const SegmentationForestTrainingCon
            WorkerGroup* workers) {
   if (is_first(workers)) check_writable(arguments.out);
   const Stopwatch watch;
-  TrainingRun run{.checkpoint = checkpoint_of(arguments, workers)};
-  run.tree_done = [&](int trees) {
-    fmt::print("tree {} of {} done after {:.1f} s\n", trees, config.forest.trees,
-               watch.milliseconds() / 1000.0);
-    std::fflush(stdout);
-  };
+  const TrainingRun run = run_of(arguments, config.forest.trees, watch, workers);
   const std::optional<SegmentationForestTraining> training =
       workers == nullptr ? run_training(config, run) : run_training(config, run, *workers);
   if (!training) return;

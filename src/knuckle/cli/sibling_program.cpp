@@ -11,6 +11,7 @@
 
 #include "knuckle/cli/verb.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/interruption.h"
 
 namespace knuckle::cli {
 
@@ -28,6 +29,8 @@ void become_sibling(const std::string& program) {
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   std::fflush(nullptr);
+  hold_interruption();
+  end_if_interrupted();
   ::execv(path.c_str(), pointers.data());
   fail("{}: cannot be started: {}", path.string(), std::generic_category().message(errno));
 }

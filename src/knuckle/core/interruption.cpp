@@ -11,12 +11,15 @@ namespace knuckle {
 namespace {
 
 std::atomic<bool> was_asked_to_end = false;
+std::atomic<bool> has_got_signal = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
 thread_local const std::atomic<bool>* own_end = nullptr;
 
-/// The second signal is left to the system, which ends the program as if nobody watched.
+/// The second signal is left to the system, which ends the program as if nobody watched. Work that ends for
+/// another reason is no signal: what it has yet to write would be lost.
 extern "C" void on_interruption(int signal_number) {
-  if (!was_asked_to_end.exchange(true)) return;
+  was_asked_to_end = true;
+  if (!has_got_signal.exchange(true)) return;
   std::signal(signal_number, SIG_DFL);
   std::raise(signal_number);
 }
@@ -32,11 +35,25 @@ void watch(int signal_number) {
   ::sigaction(signal_number, &action, nullptr);
 }
 
+/// SIG_BLOCK or SIG_UNBLOCK for both signals.
+void set_held(int how) {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGINT);
+  ::sigaddset(&signals, SIGTERM);
+  ::pthread_sigmask(how, &signals, nullptr);
+}
+
 }  // namespace
 
 void watch_for_interruption() {
   watch(SIGINT);
   watch(SIGTERM);
+  set_held(SIG_UNBLOCK);
+}
+
+void hold_interruption() {
+  set_held(SIG_BLOCK);
 }
 
 bool is_interrupted() {
@@ -52,6 +69,7 @@ InterruptedBy::~InterruptedBy() {
 
 void set_interrupted(bool interrupted) {
   was_asked_to_end = interrupted;
+  if (!interrupted) has_got_signal = false;
 }
 
 void end_if_interrupted() {

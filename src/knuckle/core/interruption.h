@@ -17,6 +17,11 @@ class Interrupted : public std::runtime_error {
 /// programs; the library never calls it.
 void watch_for_interruption();
 
+/// From now on a SIGINT or SIGTERM waits for the next call of `watch_for_interruption`, in this program or in
+/// the one that takes its place (`execv`): else one that comes while that is loaded would end it without a
+/// word.
+void hold_interruption();
+
 /// Whether the program was asked to end, or this thread's work was (InterruptedBy). `parallel_for` and
 /// `run_in_order` look at it before each item, other long loops by themselves. Safe to call from any thread.
 bool is_interrupted();

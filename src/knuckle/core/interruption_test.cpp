@@ -80,6 +80,31 @@ TEST_F(InterruptionTest, TheFirstSignalIsNotedAndTheSecondEndsTheProgram) {
       ::testing::ExitedWithCode(7), "");
 }
 
+TEST_F(InterruptionTest, OnlySignalsCountAsTheFirstAndTheSecond) {
+  EXPECT_EXIT(
+      {
+        watch_for_interruption();
+        set_interrupted(true);  // as where a disk is full
+        std::raise(SIGTERM);
+        set_interrupted(false);
+        std::raise(SIGTERM);
+        std::_Exit(is_interrupted() ? 7 : 8);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
+TEST_F(InterruptionTest, ASignalThatIsHeldComesWhenItIsWatchedFor) {
+  EXPECT_EXIT(
+      {
+        hold_interruption();
+        std::raise(SIGTERM);
+        if (is_interrupted()) std::_Exit(8);
+        watch_for_interruption();
+        std::_Exit(is_interrupted() ? 7 : 9);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
 TEST_F(InterruptionTest, ASignalThatWasIgnoredStaysIgnored) {
   EXPECT_EXIT(
       {

@@ -45,8 +45,8 @@ using MoveSamples = std::function<std::vector<std::uint32_t>(std::span<const std
 /// of samples is cut into one part per worker.
 ///
 /// A node whose samples lie with one worker is searched there. Of one that several share, the scored samples
-/// (what candidates read of them, and their targets) are sent to one of the workers, which searches it; such
-/// nodes are dealt out by their scored samples. All get all splits, and part their own samples by them. Where
+/// (what candidates read of them, and their targets) are sent to one of the workers, which searches it: the
+/// one that has the least to do. All get all splits, and part their own samples by them. Where
 /// samples can be moved, they then move to where the list of the next level has them: as soon as a node is
 /// small, one worker has all of it.
 template <SharedFeatures Features, SharedStatistics Statistics>
@@ -126,6 +126,7 @@ class SharedTreeGrower {
   void start(const OwnSamples& samples, std::uint64_t seed);
   std::vector<std::int64_t> begins_of_all(std::int64_t own, std::int64_t total);
   Batch next_batch(std::size_t first) const;
+  std::vector<int> searchers(const Batch& batch) const;
   void split_batch(const Batch& batch, std::uint64_t seed, Log& log);
   bool has_shared_nodes(const Batch& batch) const;
   std::vector<std::byte> sent_samples(const Batch& batch, int worker, std::uint64_t seed) const;
@@ -237,27 +238,47 @@ auto SharedTreeGrower<Features, Statistics>::next_batch(std::size_t first) const
   Batch batch{.first = first, .end = first, .searcher = {}};
   std::int64_t samples = 0;
   std::int64_t shared_samples = 0;
-  while (batch.end < tree_.shares.size() && samples < kSamplesPerBatch * workers_.size() &&
-         shared_samples * entry_bytes < most_bytes * workers_.size()) {
+  int shared_nodes = 0;
+  const auto is_full = [&] {
+    return samples >= kSamplesPerBatch * workers_.size() ||
+           shared_samples * entry_bytes >= most_bytes * workers_.size();
+  };
+  // Upper nodes take equally long: all workers shall have as many.
+  while (batch.end < tree_.shares.size() && (!is_full() || shared_nodes % workers_.size() != 0)) {
     const std::size_t node = batch.end++;
     samples += static_cast<std::int64_t>(scored(node));
     if (tree_.shares[node].holder == NodeShare::kSeveral) {
       shared_samples += static_cast<std::int64_t>(scored(node));
+      ++shared_nodes;
     }
   }
-  std::int64_t dealt = 0;
-  for (std::size_t node = first; node < batch.end; ++node) {
-    const NodeShare& share = tree_.shares[node];
-    if (share.total < 2 * std::int64_t{options_.min_leaf_samples}) {
-      batch.searcher.push_back(kNobody);
-    } else if (share.holder != NodeShare::kSeveral) {
-      batch.searcher.push_back(share.holder);
-    } else {
-      batch.searcher.push_back(static_cast<int>(dealt * workers_.size() / shared_samples));
-    }
-    if (share.holder == NodeShare::kSeveral) dealt += static_cast<std::int64_t>(scored(node));
-  }
+  batch.searcher = searchers(batch);
   return batch;
+}
+
+/// Who searches each node of a batch: the one who has all of its samples, or, of nodes that several share,
+/// whoever has the fewest scored samples to look at so far.
+template <SharedFeatures Features, SharedStatistics Statistics>
+std::vector<int> SharedTreeGrower<Features, Statistics>::searchers(const Batch& batch) const {
+  std::vector<int> searcher(batch.end - batch.first, kNobody);
+  std::vector<std::int64_t> load(static_cast<std::size_t>(workers_.size()));
+  const auto deal = [&](std::size_t node, int worker) {
+    searcher[node - batch.first] = worker;
+    load[static_cast<std::size_t>(worker)] += static_cast<std::int64_t>(scored(node));
+  };
+  const auto is_shared = [&](std::size_t node) { return tree_.shares[node].holder == NodeShare::kSeveral; };
+  const auto can_be_split = [&](std::size_t node) {
+    return tree_.shares[node].total >= 2 * std::int64_t{options_.min_leaf_samples};
+  };
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (can_be_split(node) && !is_shared(node)) deal(node, tree_.shares[node].holder);
+  }
+  for (std::size_t node = batch.first; node < batch.end; ++node) {
+    if (can_be_split(node) && is_shared(node)) {
+      deal(node, static_cast<int>(std::ranges::min_element(load) - load.begin()));
+    }
+  }
+  return searcher;
 }
 
 /// Adds the splits of a batch to the log.

@@ -105,17 +105,15 @@ PoseForestTrainingConfig PoseForestTrainingConfig::load(const std::filesystem::p
   return config;
 }
 
-PoseForestTraining run_training(const PoseForestTrainingConfig& config,
-                                const std::filesystem::path& checkpoint) {
+PoseForestTraining run_training(const PoseForestTrainingConfig& config, const TrainingRun& run) {
   const auto source = source_with_truth(config);
   PatchCollector collector(config, *source, {0, source->size()}, 0);
   const TrainingFrames frames = collector.collect();
   check_used(frames, config);
-  return {train_pose_forest(collector.set(), config.forest, checkpoint), frames};
+  return {train_pose_forest(collector.set(), config.forest, run), frames};
 }
 
-std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& config,
-                                               const std::filesystem::path& checkpoint,
+std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& config, const TrainingRun& run,
                                                WorkerGroup& workers) {
   const auto source = source_with_truth(config);
   const PartOfWork part = part_of_worker(source->size(), workers.rank(), workers.size());
@@ -127,7 +125,7 @@ std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& c
     frames.with_missing_joints += own.with_missing_joints;
   }
   check_used(frames, config);
-  auto model = train_pose_forest(workers, collector.set(), part.begin, config.forest, checkpoint);
+  auto model = train_pose_forest(workers, collector.set(), part.begin, config.forest, run);
   if (!model) return std::nullopt;
   return PoseForestTraining{std::move(*model), frames};
 }

@@ -50,15 +50,14 @@ struct PoseForestTraining {
   TrainingFrames frames;
 };
 
-/// Cuts the hand out of every frame and trains a forest on the patches. With a `checkpoint`, a training that
-/// was stopped goes on after its last whole tree. Throws an Error where the source has no truth, or no frame
+/// Cuts the hand out of every frame and trains a forest on the patches. With a checkpoint, a training that
+/// was stopped goes on where it was. Throws an Error where the source has no truth, or no frame
 /// of it can be used.
-PoseForestTraining run_training(const PoseForestTrainingConfig& config,
-                                const std::filesystem::path& checkpoint);
+PoseForestTraining run_training(const PoseForestTrainingConfig& config, const TrainingRun& run);
 
 /// The same by several workers, each of which cuts out a part of the frames: the model has the same bits.
 /// Worker 0 alone has a checkpoint, and gets what came out.
-std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& config,
-                                               const std::filesystem::path& checkpoint, WorkerGroup& workers);
+std::optional<PoseForestTraining> run_training(const PoseForestTrainingConfig& config, const TrainingRun& run,
+                                               WorkerGroup& workers);
 
 }  // namespace knuckle

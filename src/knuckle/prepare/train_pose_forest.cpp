@@ -62,21 +62,20 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
 }
 
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
-                                  const std::filesystem::path& checkpoint) {
+                                  const TrainingRun& run) {
   check_options(options, "pose forest training");
-  return {set.convention(), set.statistics(),
-          train_regression_forest(set.samples(), options.forest, {.checkpoint = checkpoint},
-                                  target_weights(set.convention(), options))};
+  return {
+      set.convention(), set.statistics(),
+      train_regression_forest(set.samples(), options.forest, run, target_weights(set.convention(), options))};
 }
 
 std::optional<PoseForestModel> train_pose_forest(WorkerGroup& workers, PoseTrainingSet& set,
                                                  std::int64_t first_number,
                                                  const PoseForestTrainingOptions& options,
-                                                 const std::filesystem::path& checkpoint) {
+                                                 const TrainingRun& run) {
   check_options(options, "pose forest training");
-  auto forest =
-      train_regression_forest(workers, set.samples(), first_number, options.forest,
-                              {.checkpoint = checkpoint}, target_weights(set.convention(), options));
+  auto forest = train_regression_forest(workers, set.samples(), first_number, options.forest, run,
+                                        target_weights(set.convention(), options));
   if (!forest) return std::nullopt;
   return PoseForestModel{set.convention(), set.statistics(), std::move(*forest)};
 }

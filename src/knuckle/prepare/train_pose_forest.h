@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 
@@ -62,10 +61,10 @@ void check_training_memory(std::int64_t count, const Convention& convention, int
                            const PoseForestTrainingOptions& options);
 
 /// Trains on all samples kept. The forest depends on the samples and options only, not on threads or the
-/// samples' order. With a `checkpoint` a training that was stopped goes on after its last whole tree. Throws
-/// an Error where no sample was kept.
+/// samples' order. With a checkpoint a training that was stopped goes on where it was. Throws an Error where
+/// no sample was kept.
 PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTrainingOptions& options,
-                                  const std::filesystem::path& checkpoint = {});
+                                  const TrainingRun& run = {});
 
 /// Trains on the samples of all workers the forest that one process would train, bit by bit. `set` has this
 /// worker's, which move between the workers; its sample 0 has the number `first_number` among all. Worker 0
@@ -73,6 +72,6 @@ PoseForestModel train_pose_forest(const PoseTrainingSet& set, const PoseForestTr
 std::optional<PoseForestModel> train_pose_forest(WorkerGroup& workers, PoseTrainingSet& set,
                                                  std::int64_t first_number,
                                                  const PoseForestTrainingOptions& options,
-                                                 const std::filesystem::path& checkpoint = {});
+                                                 const TrainingRun& run = {});
 
 }  // namespace knuckle

@@ -14,6 +14,7 @@
 #include <ATen/Version.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
 #include <unistd.h>
 
@@ -71,6 +72,14 @@ std::shared_ptr<gloo::transport::Device> network_device(const WorkerPlace& place
   return own ? Gloo::createDeviceForHostname(*own) : Gloo::createDefaultDevice();
 }
 
+/// Messages of megabytes come and go all the time. Memory that is given back to the system comes from there
+/// anew, page by page: a tenth of a forest's training.
+void keep_freed_memory() {
+  constexpr int kMostKept = 32 << 20;  // glibc's own most
+  ::mallopt(M_MMAP_THRESHOLD, kMostKept);
+  ::mallopt(M_TRIM_THRESHOLD, 2 * kMostKept);
+}
+
 std::string hello(int rank) {
   return fmt::format("hello/{}", rank);
 }
@@ -90,6 +99,7 @@ class GlooWorkers final : public JoinedWorkers {
       : options_(options),
         place_(options.place),
         notes_(std::make_shared<MeetingPlace>(options.place, options.wait_s)) {
+    keep_freed_memory();
     options_.traits = traits_of_this_program();
     options_.traits.insert(options_.traits.end(), options.traits.begin(), options.traits.end());
     if (options_.has_met) options_.has_met();
