@@ -2,6 +2,7 @@
 #include "knuckle/forest/offset_features.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace knuckle {
@@ -29,31 +30,33 @@ void OffsetFeatures::gather(std::span<const std::uint32_t> samples, Loop loop, B
     const std::size_t first = static_cast<std::size_t>(tile) * kTileSamples;
     const std::size_t count = std::min(kTileSamples, samples.size() - first);
     std::int16_t* const target = block.rows.tile(static_cast<std::size_t>(tile));
-    std::vector<DepthTiles::Place> places(block.pool.size());
     for (std::size_t i = 0; i < count; ++i) {
-      const auto& [index, column, row] = samples_[samples[first + i]];
-      const PixelSamples::DepthImage& image = images_[index];
-      const PixelScale scale = image.scale.at(image.depth(column, row));
-      for (std::size_t p = 0; p < places.size(); ++p) {  // arithmetic only: vectorises
-        const DepthOffset& offset = block.pool[p];
-        places[p] = image.depth.place_of(shifted(column, offset.x, scale.x), shifted(row, offset.y, scale.y));
-      }
-      std::int16_t* value = target + i;
-      for (const DepthTiles::Place& place : places) {
-        *value = image.depth.at(place);
-        value += block.rows.chunk_samples;
-      }
+      read(samples[first + i], block.pool, target + i, block.rows.chunk_samples);
     }
   });
 }
 
 void OffsetFeatures::read_row(std::uint32_t sample, const Block& block, std::int16_t* row) const {
-  const auto& [index, column, line] = samples_[sample];
+  read(sample, block.pool, row, 1);
+}
+
+void OffsetFeatures::read(std::uint32_t sample, std::span<const DepthOffset> pool, std::int16_t* target,
+                          std::size_t stride) const {
+  const auto& [index, column, row] = samples_[sample];
   const PixelSamples::DepthImage& image = images_[index];
-  const PixelScale scale = image.scale.at(image.depth(column, line));
-  for (const DepthOffset& offset : block.pool) {
-    *row++ = image.depth.at(
-        image.depth.place_of(shifted(column, offset.x, scale.x), shifted(line, offset.y, scale.y)));
+  const PixelScale scale = image.scale.at(image.depth(column, row));
+  constexpr std::size_t kAtOnce = 64;
+  std::array<DepthTiles::Place, kAtOnce> places;
+  for (std::size_t first = 0; first < pool.size(); first += kAtOnce) {
+    const auto offsets = pool.subspan(first, std::min(kAtOnce, pool.size() - first));
+    for (std::size_t p = 0; p < offsets.size(); ++p) {  // arithmetic only: vectorises
+      places[p] =
+          image.depth.place_of(shifted(column, offsets[p].x, scale.x), shifted(row, offsets[p].y, scale.y));
+    }
+    for (std::size_t p = 0; p < offsets.size(); ++p) {
+      *target = image.depth.at(places[p]);
+      target += stride;
+    }
   }
 }
 

@@ -69,6 +69,10 @@ class OffsetFeatures {
   }
 
  private:
+  /// Reads a sample's depths at the offsets of a pool, into every `stride`-th number.
+  void read(std::uint32_t sample, std::span<const DepthOffset> pool, std::int16_t* target,
+            std::size_t stride) const;
+
   std::span<const PixelSamples::DepthImage> images_;
   std::span<const ArrangedSamples::Sample> samples_;
   OffsetOptions options_;
