@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast two workers of one thread train beside one process of two threads, on the same two cores.
 
-    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 3000]
+    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 48000]
 
 `dense`, a pose forest and a segmentation forest, each trained by both in turns: steps per second of the network, seconds per tree of
 the forests, each without the start and the reading of frames. Nothing else should run meanwhile.
@@ -48,11 +48,11 @@ start = "truth"
 [patch]
 size_px = 96
 [forest]
-trees = 4
-max_depth = 20
-splits_per_node = 5000
-samples_per_node = 2500
-min_leaf_samples = 20
+trees = 3
+max_depth = 25
+splits_per_node = 10000
+samples_per_node = 5000
+min_leaf_samples = 5
 leaf_bits = 8
 seed = 1
 """
@@ -65,9 +65,9 @@ background_pixels = 60
 [forest]
 trees = 3
 max_depth = 25
-splits_per_node = 2000
+splits_per_node = 10000
 samples_per_node = 5000
-min_leaf_samples = 20
+min_leaf_samples = 5
 seed = 1
 """
 
@@ -100,7 +100,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--frames", type=int, default=3000)
+    parser.add_argument("--frames", type=int, default=48000)
     arguments = parser.parse_args()
     program = (arguments.build / "bin/knuckle").resolve()
     trainings = {

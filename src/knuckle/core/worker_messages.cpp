@@ -29,6 +29,26 @@ std::vector<std::int64_t> announced_sizes(WorkerGroup& workers, const std::vecto
   return sizes;
 }
 
+/// A single message is not copied.
+Messages one_after_another(OwnMessages sent) {
+  Messages messages;
+  std::size_t length = 0;
+  for (const std::vector<std::byte>& message : sent) {
+    messages.sizes.push_back(std::ssize(message));
+    length += message.size();
+  }
+  for (std::vector<std::byte>& message : sent) {
+    if (message.size() == length) {
+      messages.bytes = std::move(message);
+      return messages;
+    }
+    messages.bytes.reserve(length);
+    messages.bytes.insert(messages.bytes.end(), message.begin(), message.end());
+    message = {};  // its memory is wanted
+  }
+  return messages;
+}
+
 }  // namespace
 
 ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent) {
@@ -39,24 +59,17 @@ ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent) {
 }
 
 ReceivedMessages exchanged(WorkerGroup& workers, OwnMessages sent, const std::vector<std::int64_t>& sizes) {
-  Messages messages;
-  std::size_t length = 0;
-  for (const std::vector<std::byte>& message : sent) {
-    messages.sizes.push_back(std::ssize(message));
-    length += message.size();
-  }
-  messages.bytes.reserve(length);
-  for (std::vector<std::byte>& message : sent) {
-    messages.bytes.insert(messages.bytes.end(), message.begin(), message.end());
-    message = {};  // its memory is wanted
-  }
-  ReceivedMessages received;
-  received.bytes = workers.exchange(std::move(messages), sizes);
+  const auto rank = static_cast<std::size_t>(workers.rank());
+  ReceivedMessages received{.bytes = {}, .own = std::exchange(sent[rank], {}), .parts = {}};
+  std::vector<std::int64_t> sizes_of_others = sizes;
+  sizes_of_others[rank] = 0;
+  received.bytes = workers.exchange(one_after_another(std::move(sent)), sizes_of_others);
   std::span<const std::byte> left(received.bytes);
-  for (const std::int64_t size : sizes) {
+  for (const std::int64_t size : sizes_of_others) {
     received.parts.push_back(left.first(static_cast<std::size_t>(size)));
     left = left.subspan(static_cast<std::size_t>(size));
   }
+  received.parts[rank] = received.own;
   return received;
 }
 

@@ -18,7 +18,8 @@ using OwnMessages = std::vector<std::vector<std::byte>>;
 
 /// What each worker has sent to this one.
 struct ReceivedMessages {
-  std::vector<std::byte> bytes;                   ///< all of them, one after another
+  std::vector<std::byte> bytes;                   ///< those of the others, one after another
+  std::vector<std::byte> own;                     ///< what this one has sent to itself: it goes nowhere
   std::vector<std::span<const std::byte>> parts;  ///< one per worker, in their order
 };
 

@@ -138,8 +138,8 @@ class MovingSamples {
     places_.resize(static_cast<std::size_t>(samples.capacity()));
   }
 
-  std::size_t message_bytes(std::uint32_t /*slot*/) const {
-    return samples_.message_bytes() + sizeof(std::int64_t) + scoring_.dimensions * sizeof(std::int16_t);
+  std::size_t message_bytes(std::uint32_t slot) const {
+    return samples_.message_bytes(slot) + sizeof(std::int64_t) + scoring_.dimensions * sizeof(std::int16_t);
   }
   void take(std::uint32_t slot, std::vector<std::byte>& message) {
     samples_.take(slot, message);

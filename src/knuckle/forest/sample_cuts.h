@@ -12,8 +12,15 @@
 
 namespace knuckle {
 
+/// A node that is still to be searched: where the list has its samples, and what the search costs.
+struct OpenNode {
+  std::int64_t first = 0;
+  std::int64_t cost = 0;
+};
+
 /// Where the list of a tree's samples is cut into the workers' parts. Parts are equal, but that no small node
-/// is cut: the cut then lies at the nearer end of the node, for good.
+/// is cut: the cut then lies at the nearer end of the node. Once no node is cut, cuts go where the work is:
+/// leaves, of which one part may have more, need none.
 class SampleCuts {
  public:
   SampleCuts() = default;
@@ -32,8 +39,8 @@ class SampleCuts {
 
   /// Where the parts begin, and the end.
   const std::vector<std::int64_t>& places() const { return places_; }
-  /// Whether no cut will change any more.
-  bool are_final() const { return std::ranges::all_of(cuts_, &Cut::is_final); }
+  /// Whether no node is cut any more.
+  bool part_no_node() const { return std::ranges::all_of(cuts_, &Cut::is_final); }
 
   /// Finds the cuts again after nodes were split. `nodes` have a member `left`, the index of the left child,
   /// or -1.
@@ -44,6 +51,24 @@ class SampleCuts {
       if (!cut.is_final) places_[k] = followed(cut, nodes, shares);
       if (cut.wanted == 0) places_[k] = 0;
     }
+  }
+
+  /// Moves cuts that part no node to where all workers have equal costs, if one has an eighth too much: each
+  /// by at most an eighth of a part, so that no worker holds more than a quarter more than its share.
+  /// `open`: in the order of the list.
+  void balance(std::span<const OpenNode> open) {
+    if (open.empty() || !part_no_node()) return;
+    std::vector<std::int64_t> before{0};  // costs of the nodes before each
+    for (const OpenNode& node : open) before.push_back(before.back() + node.cost);
+    const std::int64_t largest = largest_cost(open, before);
+    const std::int64_t workers = std::ssize(cuts_);
+    if (8 * workers * largest <= 9 * before.back()) return;
+    const std::vector<std::int64_t> places = places_;
+    for (std::int64_t k = 1; k < workers; ++k) {
+      const std::int64_t cost = before.back() / workers * k;
+      places_[static_cast<std::size_t>(k)] = place_after(cost, static_cast<std::size_t>(k), open, before);
+    }
+    if (largest_cost(open, before) >= largest) places_ = places;
   }
 
  private:
@@ -69,6 +94,35 @@ class SampleCuts {
     cut.is_final = cut.wanted == begin || end - begin <= smallest_shared_;
     if (!cut.is_final) return cut.wanted;
     return cut.wanted - begin <= end - cut.wanted ? begin : end;
+  }
+
+  /// The first place of the open node before which all others cost most nearly so much, of those that are
+  /// near enough to cut k; where none is, where the cut lies.
+  std::int64_t place_after(std::int64_t cost, std::size_t k, std::span<const OpenNode> open,
+                           std::span<const std::int64_t> before) const {
+    const std::int64_t farthest = places_.back() / (8 * std::ssize(cuts_));
+    const auto begin = std::ranges::lower_bound(open, cuts_[k].wanted - farthest, {}, &OpenNode::first);
+    const auto end = std::ranges::upper_bound(open, cuts_[k].wanted + farthest, {}, &OpenNode::first);
+    if (begin == end) return places_[k];
+    const auto cost_before = [&](const OpenNode& node) {
+      return before[static_cast<std::size_t>(&node - open.data())];
+    };
+    auto best = std::ranges::lower_bound(begin, end, cost, {}, cost_before);
+    if (best == end || (best != begin && cost - cost_before(best[-1]) <= cost_before(*best) - cost)) --best;
+    return best->first;
+  }
+
+  /// What the nodes of the worker that has most to do cost.
+  std::int64_t largest_cost(std::span<const OpenNode> open, std::span<const std::int64_t> before) const {
+    std::int64_t largest = 0;
+    std::int64_t last = 0;
+    for (const std::int64_t place : std::span(places_).subspan(1)) {
+      const auto node = std::ranges::lower_bound(open, place, {}, &OpenNode::first) - open.begin();
+      const std::int64_t cost = before[static_cast<std::size_t>(node)];
+      largest = std::max(largest, cost - last);
+      last = cost;
+    }
+    return largest;
   }
 
   std::vector<std::int64_t> places_;

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -44,7 +45,7 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> arranged(static_cast<std::size_t>(cuts[rank + 1] - begin), kNone);
   std::vector<std::vector<std::size_t>> leaving(count);
-  std::int64_t bytes = 0;
+  std::vector<std::size_t> leaving_bytes(count);
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (places[i] < cuts.front() || places[i] >= cuts.back()) {  // one may have come with a sample
       fail("a worker's message: a sample with place {}, expected [{}, {})", places[i], cuts.front(),
@@ -55,10 +56,11 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
       arranged[static_cast<std::size_t>(places[i] - begin)] = slots[i];
     } else {
       leaving[target].push_back(i);
-      bytes += static_cast<std::int64_t>(store.message_bytes(slots[i]));
+      leaving_bytes[target] += sizeof(std::int64_t) + store.message_bytes(slots[i]);
     }
   }
-  const std::vector<std::int64_t> all_bytes = values_of_all(workers, bytes);
+  const std::size_t bytes = std::accumulate(leaving_bytes.begin(), leaving_bytes.end(), std::size_t{0});
+  const std::vector<std::int64_t> all_bytes = values_of_all(workers, static_cast<std::int64_t>(bytes));
   const std::int64_t most_bytes = std::ranges::max(all_bytes);
   if (most_bytes / kMoveBytes >= kMostRounds) fail("a worker says that it sends {} bytes", most_bytes);
   const auto rounds = static_cast<int>((most_bytes + kMoveBytes - 1) / kMoveBytes);
@@ -66,6 +68,7 @@ std::vector<std::uint32_t> moved_to_places(WorkerGroup& workers, Store& store,
     OwnMessages sent(count);
     for (std::size_t worker = 0; worker < count; ++worker) {
       const PartOfWork part = part_of_worker(std::ssize(leaving[worker]), round, rounds);
+      sent[worker].reserve(leaving_bytes[worker] / static_cast<std::size_t>(rounds));  // about
       for (std::int64_t k = part.begin; k < part.end; ++k) {
         const std::size_t i = leaving[worker][static_cast<std::size_t>(k)];
         append_value(sent[worker], places[i]);

@@ -148,14 +148,16 @@ std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::
   }
   const ReceivedMessages heard = exchanged(workers, std::move(sums), sizes);
   std::vector<NodeShare> shares;
-  MessageReader reader(heard.bytes);  // parts of the nodes lie in the order of the workers
-  for (std::int64_t i = 0; i < nodes; ++i) {
-    const auto sum = reader.value<SummedPart>();
-    check(sum, own[static_cast<std::size_t>(i)], count);
-    shares.push_back({.first = 0,
-                      .total = sum.total,
-                      .before = sum.before,
-                      .holder = static_cast<std::int32_t>(sum.holder)});
+  for (const std::span<const std::byte> part : heard.parts) {  // nodes in their order
+    MessageReader reader(part);
+    while (!reader.is_at_end()) {
+      const auto sum = reader.value<SummedPart>();
+      check(sum, own[shares.size()], count);
+      shares.push_back({.first = 0,
+                        .total = sum.total,
+                        .before = sum.before,
+                        .holder = static_cast<std::int32_t>(sum.holder)});
+    }
   }
   return shares;
 }

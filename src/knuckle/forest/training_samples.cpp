@@ -12,6 +12,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/forest/mixed_hash.h"
+#include "knuckle/forest/packed_row.h"
 
 namespace knuckle {
 
@@ -67,8 +68,12 @@ void TrainingSamples::set(std::int64_t index, std::span<const float> features,
   is_set_[row] = 1;
 }
 
+std::size_t TrainingSamples::message_bytes(std::size_t index) const {
+  return packed_bytes(feature_row(index)) + target_count_ * sizeof(float);
+}
+
 void TrainingSamples::take(std::size_t index, std::vector<std::byte>& message) {
-  append_values(message, std::span<const std::int16_t>(feature_row(index)));
+  append_packed(message, feature_row(index));
   append_values(message, std::span<const float>(target_row(index)));
   is_set_[index] = 0;
 }
@@ -79,7 +84,7 @@ void TrainingSamples::put(std::size_t index, MessageReader& reader) {
     features_.resize(features_.size() + static_cast<std::size_t>(feature_count_));
     targets_.resize(targets_.size() + static_cast<std::size_t>(target_count_));
   }
-  reader.read(feature_row(index));
+  read_packed(reader, feature_row(index));
   reader.read(target_row(index));
   is_set_[index] = 1;
 }

@@ -34,10 +34,8 @@ class TrainingSamples {
   void set(std::int64_t index, std::span<const float> features, std::span<const float> targets);
 
   /// Bytes of a row in a message to another worker.
-  std::size_t message_bytes() const {
-    return feature_count_ * sizeof(std::int16_t) + target_count_ * sizeof(float);
-  }
-  /// Appends a row to the message; it no longer takes part here.
+  std::size_t message_bytes(std::size_t index) const;
+  /// Appends a row to the message, its features packed (packed_row.h); it no longer takes part here.
   void take(std::size_t index, std::vector<std::byte>& message);
   /// Reads a row from a message into `index`, which is not set; makes room where it is capacity().
   void put(std::size_t index, MessageReader& reader);
@@ -66,6 +64,9 @@ class TrainingSamples {
   std::uint64_t hash_of(std::size_t index) const;
 
  private:
+  std::span<const std::int16_t> feature_row(std::size_t index) const {
+    return std::span(features_).subspan(index * feature_count_, static_cast<std::size_t>(feature_count_));
+  }
   std::span<std::int16_t> feature_row(std::size_t index) {
     return std::span(features_).subspan(index * feature_count_, static_cast<std::size_t>(feature_count_));
   }
