@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast two workers of one thread train beside one process of two threads, on the same two cores.
 
-    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 48000]
+    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 12000]
 
 `dense`, a pose forest and a segmentation forest, each trained by both in turns: steps per second of the network, seconds per tree of
 the forests, each without the start and the reading of frames. Nothing else should run meanwhile.
@@ -100,7 +100,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--frames", type=int, default=48000)
+    parser.add_argument("--frames", type=int, default=12000)
     arguments = parser.parse_args()
     program = (arguments.build / "bin/knuckle").resolve()
     trainings = {
