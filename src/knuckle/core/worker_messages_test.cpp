@@ -3,6 +3,9 @@
 
 #include <array>
 #include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "knuckle/core/testing.h"
 #include "knuckle/core/worker_group_testing.h"
@@ -30,6 +33,40 @@ class AnnouncingWorkers final : public WorkerGroup {
  private:
   std::int64_t announced_;
 };
+
+/// The middle one of three: what it sends comes back as if the others had sent it.
+class EchoingWorkers final : public WorkerGroup {
+ public:
+  int rank() const override { return 1; }
+  int size() const override { return 3; }
+  std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
+    EXPECT_EQ(sent.sizes, sizes);
+    EXPECT_EQ(sent.sizes[1], 0) << "its own message";
+    return std::move(sent.bytes);
+  }
+  double seconds_in_exchange() const override { return 0.0; }
+  std::int64_t bytes_sent() const override { return 0; }
+};
+
+TEST(WorkerMessages, OnesOwnGoesNowhere) {
+  const auto bytes = [](std::string_view text) {
+    const std::span<const std::byte> all = std::as_bytes(std::span(text));
+    return std::vector<std::byte>(all.begin(), all.end());
+  };
+  const auto text = [](std::span<const std::byte> message) {
+    return std::string(reinterpret_cast<const char*>(message.data()), message.size());
+  };
+  for (const auto& [first, last] : {std::pair{"ab", "cde"}, {"", "cde"}, {"ab", ""}, {"", ""}}) {
+    EchoingWorkers workers;
+    const auto received =
+        exchanged(workers, {bytes(first), bytes("own"), bytes(last)},
+                  {std::ssize(std::string_view(first)), 3, std::ssize(std::string_view(last))});
+    ASSERT_EQ(received.parts.size(), 3u);
+    EXPECT_EQ(text(received.parts[0]), first);
+    EXPECT_EQ(text(received.parts[1]), "own");
+    EXPECT_EQ(text(received.parts[2]), last);
+  }
+}
 
 TEST(WorkerMessages, AMessageOfAnImpossibleSizeIsRefused) {
   for (const std::int64_t announced : {std::int64_t{-1}, (std::int64_t{1} << 40) + 1}) {

@@ -66,7 +66,7 @@ class SampleCuts {
     const std::vector<std::int64_t> places = places_;
     for (std::int64_t k = 1; k < workers; ++k) {
       const std::int64_t cost = before.back() / workers * k;
-      places_[static_cast<std::size_t>(k)] = place_after(cost, static_cast<std::size_t>(k), open, before);
+      places_[static_cast<std::size_t>(k)] = place_for(cost, static_cast<std::size_t>(k), open, before);
     }
     if (largest_cost(open, before) >= largest) places_ = places;
   }
@@ -98,8 +98,8 @@ class SampleCuts {
 
   /// The first place of the open node before which all others cost most nearly so much, of those that are
   /// near enough to cut k; where none is, where the cut lies.
-  std::int64_t place_after(std::int64_t cost, std::size_t k, std::span<const OpenNode> open,
-                           std::span<const std::int64_t> before) const {
+  std::int64_t place_for(std::int64_t cost, std::size_t k, std::span<const OpenNode> open,
+                         std::span<const std::int64_t> before) const {
     const std::int64_t farthest = places_.back() / (8 * std::ssize(cuts_));
     const auto begin = std::ranges::lower_bound(open, cuts_[k].wanted - farthest, {}, &OpenNode::first);
     const auto end = std::ranges::upper_bound(open, cuts_[k].wanted + farthest, {}, &OpenNode::first);

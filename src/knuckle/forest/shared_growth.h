@@ -16,6 +16,8 @@
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/progress.h"
 #include "knuckle/core/worker_messages.h"
+#include "knuckle/forest/node_batch.h"
+#include "knuckle/forest/received_features.h"
 #include "knuckle/forest/sample_cuts.h"
 #include "knuckle/forest/shared_places.h"
 #include "knuckle/forest/tree_grower.h"
@@ -75,25 +77,6 @@ class SharedTreeGrower {
   using Search = SplitSearch<Features, Statistics>;
   using Block = typename Features::Block;
 
-  /// Splits are searched in batches of about this many scored samples per worker, of which about so much is
-  /// sent to each.
-  static constexpr std::int64_t kSamplesPerBatch = 1 << 18;
-  static constexpr std::int64_t kBytesPerBatch = std::int64_t{8} << 20;
-  /// A node's search costs as much as so many scored samples even where it has none: measured with samples of
-  /// 1 to 5,000, for any number of candidates.
-  static constexpr std::int64_t kSamplesPerSearch = 27;
-  /// Nobody: the node is too small to be split.
-  static constexpr int kNobody = -1;
-
-  /// Nodes [first, end) and who searches each.
-  struct Batch {
-    std::size_t first = 0;
-    std::size_t end = 0;
-    std::vector<int> searcher;
-
-    int searcher_of(std::size_t node) const { return searcher[node - first]; }
-  };
-
   /// This worker's samples of those that score the candidates of a node, and the numbers that come after
   /// their drawing.
   struct Drawn {
@@ -108,54 +91,20 @@ class SharedTreeGrower {
     std::vector<const std::int16_t*> entries;
   };
 
-  /// Samples that were received, as features: sample i is the i-th entry.
-  class ReceivedFeatures {
-   public:
-    ReceivedFeatures(const Features& features, std::span<const std::int16_t* const> entries,
-                     std::size_t targets)
-        : features_(features), entries_(entries), targets_(targets) {}
-    void begin_node(Random& random, const TreeOptions& options, Block& block) const {
-      features_.begin_node(random, options, block);
-    }
-    void gather(std::span<const std::uint32_t> samples, typename Search::Loop loop, Block& block) const {
-      std::vector<const std::int16_t*> rows;
-      rows.reserve(samples.size());
-      for (const std::uint32_t sample : samples) rows.push_back(entries_[sample] + targets_);
-      copy_rows(rows, features_.row_length(block), loop, Features::rows_of(block));
-    }
-    auto draw(Random& random, int index, int count, const Block& block) const {
-      return features_.draw(random, index, count, block);
-    }
-
-   private:
-    const Features& features_;
-    std::span<const std::int16_t* const> entries_;
-    std::size_t targets_;
-  };
-
   void start(const OwnSamples& samples, std::uint64_t seed);
   std::vector<std::int64_t> begins_of_all(std::int64_t own, std::int64_t total);
-  Batch next_batch(std::size_t first) const;
-  std::vector<int> searchers(const Batch& batch) const;
-  void split_batch(const Batch& batch, std::uint64_t seed, Log& log);
-  bool has_shared_nodes(const Batch& batch) const;
-  std::vector<Drawn> drawn_of_shared(const Batch& batch, std::uint64_t seed) const;
+  void split_batch(const NodeBatch& batch, std::uint64_t seed, Log& log);
+  bool has_shared_nodes(const NodeBatch& batch) const;
+  std::vector<Drawn> drawn_of_shared(const NodeBatch& batch, std::uint64_t seed) const;
   Drawn drawn_of(std::size_t node, std::uint64_t seed) const;
-  std::vector<std::byte> sent_samples(const Batch& batch, int worker, std::span<const Drawn> drawn) const;
-  std::vector<Job> jobs_of(const Batch& batch, const ReceivedMessages& received) const;
+  std::vector<std::byte> sent_samples(const NodeBatch& batch, int worker, std::span<const Drawn> drawn) const;
+  std::vector<Job> jobs_of(const NodeBatch& batch, const ReceivedMessages& received) const;
   Split searched(const Job& job, Drawn drawn, Search& search, typename Search::Loop loop) const;
-  void share_splits(const Batch& batch, const std::vector<Job>& jobs, std::vector<Split>& splits) const;
+  void share_splits(const NodeBatch& batch, const std::vector<Job>& jobs, std::vector<Split>& splits) const;
   void add_children(std::size_t first_node, std::span<const Split> splits);
   void move_samples(std::size_t level_begin);
-  bool can_be_split(std::size_t node) const {
-    return tree_.shares[node].total >= 2 * std::int64_t{options_.min_leaf_samples};
-  }
-  std::int64_t search_cost(std::size_t node) const {
-    return static_cast<std::int64_t>(scored(node)) + kSamplesPerSearch;
-  }
   std::size_t scored(std::size_t node) const {
-    return static_cast<std::size_t>(
-        std::min<std::int64_t>(tree_.shares[node].total, options_.samples_per_node));
+    return static_cast<std::size_t>(scored_samples(tree_.shares[node], options_));
   }
   /// Numbers that are sent of a sample.
   std::size_t entry_length(const Block& block) const {
@@ -185,12 +134,13 @@ auto SharedTreeGrower<Features, Statistics>::grow(const OwnSamples& samples, std
   check_splits(features_, std::span<const Split>(log));
   start(samples, seed);
   const std::int64_t bag = tree_.shares[0].total;
+  const auto entry_bytes = static_cast<std::int64_t>(entry_length() * sizeof(std::int16_t));
   std::size_t first_node = 0;
   for (int depth = 0; depth < options_.max_depth; ++depth) {
     const std::size_t level_end = tree_.own.nodes.size();
     std::int64_t steps_left = kStepsPerLevel;
     while (log.size() < level_end) {
-      const Batch batch = next_batch(log.size());
+      const NodeBatch batch = next_batch(tree_.shares, log.size(), entry_bytes, workers_.size(), options_);
       split_batch(batch, seed, log);
       std::int64_t done = 0;
       for (std::size_t node = batch.first; node < batch.end; ++node) done += tree_.shares[node].total;
@@ -247,61 +197,13 @@ std::vector<std::int64_t> SharedTreeGrower<Features, Statistics>::begins_of_all(
   return begins;
 }
 
-template <SharedFeatures Features, SharedStatistics Statistics>
-auto SharedTreeGrower<Features, Statistics>::next_batch(std::size_t first) const -> Batch {
-  const auto entry_bytes = static_cast<std::int64_t>(entry_length() * sizeof(std::int16_t));
-  // Each worker shall have something to do.
-  const std::int64_t most_bytes = std::max(kBytesPerBatch, options_.samples_per_node * entry_bytes);
-  Batch batch{.first = first, .end = first, .searcher = {}};
-  std::int64_t samples = 0;
-  std::int64_t shared_samples = 0;
-  int shared_nodes = 0;
-  const auto is_full = [&] {
-    return samples >= kSamplesPerBatch * workers_.size() ||
-           shared_samples * entry_bytes >= most_bytes * workers_.size();
-  };
-  // Upper nodes take equally long: all workers shall have as many.
-  while (batch.end < tree_.shares.size() && (!is_full() || shared_nodes % workers_.size() != 0)) {
-    const std::size_t node = batch.end++;
-    samples += static_cast<std::int64_t>(scored(node));
-    if (tree_.shares[node].holder == NodeShare::kSeveral) {
-      shared_samples += static_cast<std::int64_t>(scored(node));
-      ++shared_nodes;
-    }
-  }
-  batch.searcher = searchers(batch);
-  return batch;
-}
-
-/// Who searches each node of a batch: the one who has all of its samples, or, of nodes that several share,
-/// whoever has the least to do so far.
-template <SharedFeatures Features, SharedStatistics Statistics>
-std::vector<int> SharedTreeGrower<Features, Statistics>::searchers(const Batch& batch) const {
-  std::vector<int> searcher(batch.end - batch.first, kNobody);
-  std::vector<std::int64_t> load(static_cast<std::size_t>(workers_.size()));
-  const auto deal = [&](std::size_t node, int worker) {
-    searcher[node - batch.first] = worker;
-    load[static_cast<std::size_t>(worker)] += search_cost(node);
-  };
-  const auto is_shared = [&](std::size_t node) { return tree_.shares[node].holder == NodeShare::kSeveral; };
-  for (std::size_t node = batch.first; node < batch.end; ++node) {
-    if (can_be_split(node) && !is_shared(node)) deal(node, tree_.shares[node].holder);
-  }
-  for (std::size_t node = batch.first; node < batch.end; ++node) {
-    if (can_be_split(node) && is_shared(node)) {
-      deal(node, static_cast<int>(std::ranges::min_element(load) - load.begin()));
-    }
-  }
-  return searcher;
-}
-
 /// Adds the splits of a batch to the log.
 template <SharedFeatures Features, SharedStatistics Statistics>
-void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std::uint64_t seed, Log& log) {
+void SharedTreeGrower<Features, Statistics>::split_batch(const NodeBatch& batch, std::uint64_t seed,
+                                                         Log& log) {
+  std::vector<Drawn> drawn = drawn_of_shared(batch, seed);
   ReceivedMessages received;
-  std::vector<Drawn> drawn(batch.end - batch.first);
   if (has_shared_nodes(batch)) {
-    drawn = drawn_of_shared(batch, seed);
     OwnMessages sent;
     for (int worker = 0; worker < workers_.size(); ++worker) {
       sent.push_back(sent_samples(batch, worker, drawn));
@@ -309,14 +211,14 @@ void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std
     received = exchanged(workers_, std::move(sent));
   }
   const std::vector<Job> jobs = jobs_of(batch, received);
-  std::vector<Split> splits(batch.end - batch.first);
+  std::vector<Split> splits(batch.size());
   search_nodes(
       jobs.size(), [&](std::size_t i) { return scored(jobs[i].node); }, large_search_,
       [&](std::size_t i, Search& search, typename Search::Loop loop) {
         const Job& job = jobs[i];
         const std::size_t place = job.node - batch.first;
-        splits[place] =
-            searched(job, job.entries.empty() ? drawn_of(job.node, seed) : drawn[place], search, loop);
+        splits[place] = searched(
+            job, job.entries.empty() ? drawn_of(job.node, seed) : std::move(drawn[place]), search, loop);
       });
   share_splits(batch, jobs, splits);
   log.insert(log.end(), splits.begin(), splits.end());
@@ -324,9 +226,9 @@ void SharedTreeGrower<Features, Statistics>::split_batch(const Batch& batch, std
 
 /// Whether samples of other workers are needed.
 template <SharedFeatures Features, SharedStatistics Statistics>
-bool SharedTreeGrower<Features, Statistics>::has_shared_nodes(const Batch& batch) const {
+bool SharedTreeGrower<Features, Statistics>::has_shared_nodes(const NodeBatch& batch) const {
   for (std::size_t node = batch.first; node < batch.end; ++node) {
-    if (tree_.shares[node].holder == NodeShare::kSeveral && batch.searcher_of(node) != kNobody) return true;
+    if (batch.is_shared(node, tree_.shares)) return true;
   }
   return false;
 }
@@ -350,14 +252,12 @@ auto SharedTreeGrower<Features, Statistics>::drawn_of(std::size_t node, std::uin
 
 /// One per node of the batch, empty for those that one worker has alone.
 template <SharedFeatures Features, SharedStatistics Statistics>
-auto SharedTreeGrower<Features, Statistics>::drawn_of_shared(const Batch& batch, std::uint64_t seed) const
+auto SharedTreeGrower<Features, Statistics>::drawn_of_shared(const NodeBatch& batch, std::uint64_t seed) const
     -> std::vector<Drawn> {
-  std::vector<Drawn> drawn(batch.end - batch.first);
+  std::vector<Drawn> drawn(batch.size());
   parallel_for(std::ssize(drawn), [&](std::int64_t i) {
     const std::size_t node = batch.first + static_cast<std::size_t>(i);
-    const bool is_shared = tree_.shares[node].holder == NodeShare::kSeveral;
-    if (is_shared && batch.searcher_of(node) != kNobody)
-      drawn[static_cast<std::size_t>(i)] = drawn_of(node, seed);
+    if (batch.is_shared(node, tree_.shares)) drawn[static_cast<std::size_t>(i)] = drawn_of(node, seed);
   });
   return drawn;
 }
@@ -366,7 +266,7 @@ auto SharedTreeGrower<Features, Statistics>::drawn_of_shared(const Batch& batch,
 /// sample its targets and what candidates read of it.
 template <SharedFeatures Features, SharedStatistics Statistics>
 std::vector<std::byte> SharedTreeGrower<Features, Statistics>::sent_samples(
-    const Batch& batch, int worker, std::span<const Drawn> drawn) const {
+    const NodeBatch& batch, int worker, std::span<const Drawn> drawn) const {
   std::vector<std::size_t> nodes;
   for (std::size_t node = batch.first; node < batch.end; ++node) {
     if (tree_.shares[node].holder == NodeShare::kSeveral && batch.searcher_of(node) == worker) {
@@ -415,7 +315,7 @@ std::vector<std::byte> SharedTreeGrower<Features, Statistics>::sent_samples(
 
 /// The nodes that this worker searches, those that it has alone and those of which samples were sent.
 template <SharedFeatures Features, SharedStatistics Statistics>
-auto SharedTreeGrower<Features, Statistics>::jobs_of(const Batch& batch,
+auto SharedTreeGrower<Features, Statistics>::jobs_of(const NodeBatch& batch,
                                                      const ReceivedMessages& received) const
     -> std::vector<Job> {
   std::vector<Job> jobs;
@@ -462,20 +362,22 @@ auto SharedTreeGrower<Features, Statistics>::searched(const Job& job, Drawn draw
 
 /// Fills in what the others have found.
 template <SharedFeatures Features, SharedStatistics Statistics>
-void SharedTreeGrower<Features, Statistics>::share_splits(const Batch& batch, const std::vector<Job>& jobs,
+void SharedTreeGrower<Features, Statistics>::share_splits(const NodeBatch& batch,
+                                                          const std::vector<Job>& jobs,
                                                           std::vector<Split>& splits) const {
   std::vector<std::byte> own;
   for (const Job& job : jobs) append_value(own, splits[job.node - batch.first]);
   std::vector<std::int64_t> sizes(static_cast<std::size_t>(workers_.size()));
   for (const int searcher : batch.searcher) {
-    if (searcher != kNobody) sizes[static_cast<std::size_t>(searcher)] += std::int64_t{sizeof(Split)};
+    if (searcher != NodeBatch::kNobody)
+      sizes[static_cast<std::size_t>(searcher)] += std::int64_t{sizeof(Split)};
   }
   const ReceivedMessages received =
       exchanged(workers_, OwnMessages(static_cast<std::size_t>(workers_.size()), own), sizes);
   std::vector<MessageReader> readers(received.parts.begin(), received.parts.end());
   for (std::size_t node = batch.first; node < batch.end; ++node) {
     const int searcher = batch.searcher_of(node);
-    if (searcher == kNobody) continue;
+    if (searcher == NodeBatch::kNobody) continue;
     splits[node - batch.first] = readers[static_cast<std::size_t>(searcher)].template value<Split>();
   }
   check_splits(features_, std::span<const Split>(splits));
@@ -531,7 +433,9 @@ void SharedTreeGrower<Features, Statistics>::move_samples(std::size_t level_begi
   cuts_.follow(nodes, tree_.shares);
   std::vector<OpenNode> open;
   for (std::size_t node = level_begin; node < nodes.size(); ++node) {
-    if (can_be_split(node)) open.push_back({.first = tree_.shares[node].first, .cost = search_cost(node)});
+    const NodeShare& share = tree_.shares[node];
+    if (can_be_split(share, options_))
+      open.push_back({.first = share.first, .cost = search_cost(share, options_)});
   }
   cuts_.balance(open);
   if (had_whole_nodes && cuts_.places() == cuts_before) return;

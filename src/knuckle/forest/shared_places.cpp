@@ -148,11 +148,12 @@ std::vector<NodeShare> summed_shares(WorkerGroup& workers, std::span<const std::
   }
   const ReceivedMessages heard = exchanged(workers, std::move(sums), sizes);
   std::vector<NodeShare> shares;
-  for (const std::span<const std::byte> part : heard.parts) {  // nodes in their order
-    MessageReader reader(part);
-    while (!reader.is_at_end()) {
-      const auto sum = reader.value<SummedPart>();
-      check(sum, own[shares.size()], count);
+  std::vector<MessageReader> sum_readers(heard.parts.begin(), heard.parts.end());
+  for (int worker = 0; worker < count; ++worker) {
+    const PartOfWork part = part_of_worker(nodes, worker, count);
+    for (std::int64_t i = part.begin; i < part.end; ++i) {
+      const auto sum = sum_readers[static_cast<std::size_t>(worker)].value<SummedPart>();
+      check(sum, own[static_cast<std::size_t>(i)], count);
       shares.push_back({.first = 0,
                         .total = sum.total,
                         .before = sum.before,
