@@ -3,13 +3,15 @@
 """What the Python package costs beside the library itself, on one core.
 
     /usr/bin/python3 bench/python_cost.py [--build build/release] [--pipeline pipelines/default.toml]
-        [--manifest manifests/demo.toml] [--frames 40] [--rounds 5] [--estimates 0]
+        [--manifest manifests/demo.toml] [--frames 40] [--rounds 5] [--estimates 0] [--threads]
 
 C++ (knuckle_frame_cost) and Python render and estimate the same frames in turns; medians over the frames, then over the
 rounds. With --estimates one frame is estimated so many times in a loop, at a quarter of its size, and the memory of the
-process printed on the way. Nothing else should run meanwhile.
+process printed on the way. With --threads the same estimates are then made by one, two and four threads, on all cores. Nothing else
+should run meanwhile.
 """
 import argparse
+import concurrent.futures
 import os
 import pathlib
 import statistics
@@ -68,6 +70,22 @@ def estimate_often(knuckle, arguments):
                   f"{resident_megabytes():.1f} MB", flush=True)
 
 
+def rate_of_threads(pipeline, frames, threads):
+    """Estimates per second: each frame six times."""
+    begin = time.perf_counter()
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        list(pool.map(lambda frame: pipeline.estimate(frame.depth_mm, frame.camera), 6 * frames))
+    return 6 * len(frames) / (time.perf_counter() - begin)
+
+
+def estimate_in_threads(knuckle, arguments):
+    pipeline = knuckle.Pipeline.load(arguments.pipeline)
+    frames = [knuckle.render(arguments.manifest, i) for i in range(arguments.frames)]
+    for _ in range(max(1, arguments.rounds)):
+        one, two, four = (rate_of_threads(pipeline, frames, threads) for threads in (1, 2, 4))
+        print(f"one thread {one:.0f} estimates/s, two {two / one:.2f} times as many, four {four / one:.2f}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
@@ -76,8 +94,10 @@ def main():
     parser.add_argument("--frames", type=int, default=40)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--estimates", type=int, default=0)
+    parser.add_argument("--threads", action="store_true")
     arguments = parser.parse_args()
-    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
     sys.path.insert(0, str(arguments.build / "python"))
     import knuckle
 
@@ -91,6 +111,9 @@ def main():
         ratio = statistics.median(one[0][k] / one[1][k] for one in rounds)
         print(f"{name}: C++ {cpp:.3f} ms, Python {python:.3f} ms, {more:+.3f} ms a frame, {ratio:.2f} times the rate")
     estimate_often(knuckle, arguments)
+    if arguments.threads:
+        os.sched_setaffinity(0, cores)
+        estimate_in_threads(knuckle, arguments)
 
 
 if __name__ == "__main__":
