@@ -35,7 +35,7 @@ class Costs:
     failure_h: float = 50000.0  # assumed: mean time to a failure of one worker; Dubey et al. 2024 report 419 in 54 days on 16,384 GPUs
     restart_s: float = 120.0  # assumed: until all are started again and have their samples
     patch_bytes: float = 18.75e3  # of a sample of the pose forest: a patch of 96 x 96, and its targets
-    moved_patches: float = 0.61  # of all patches that each of two workers sends per tree (docs/scale.md)
+    moved_share: float = 0.34  # of the bytes of all patches, what each of two workers sends per tree, packed (docs/scale.md)
     tree_s: float = 275.0 / 399929  # processor time per patch and tree at the paper's options (docs/performance.md)
     spread: float = 0.1  # assumed: standard deviation of the logarithm of a step's time on one worker
 
@@ -74,7 +74,7 @@ def forest_tree_s(costs, samples, workers):
     whose parts a node spans: what two workers send, log2(N) times, shared by all N."""
     if workers == 1:
         return costs.tree_s * samples
-    sent = costs.moved_patches * 2.0 * math.log2(workers) / workers * costs.patch_bytes * samples
+    sent = costs.moved_share * 2.0 * math.log2(workers) / workers * costs.patch_bytes * samples
     return costs.tree_s * samples / workers + sent / costs.link_bytes_s
 
 

@@ -36,7 +36,7 @@ class Forest(unittest.TestCase):
     def test_one_sends_nothing_and_two_send_what_was_measured(self):
         costs = MODEL.Costs()
         self.assertEqual(MODEL.forest_tree_s(costs, 1000, 1), costs.tree_s * 1000)
-        sent = costs.moved_patches * costs.patch_bytes * 1000 / costs.link_bytes_s
+        sent = costs.moved_share * costs.patch_bytes * 1000 / costs.link_bytes_s
         self.assertAlmostEqual(MODEL.forest_tree_s(costs, 1000, 2), costs.tree_s * 500 + sent)
         self.assertEqual(MODEL.forest_worker_bytes(costs, 1000, 4), costs.patch_bytes * 250)
 
