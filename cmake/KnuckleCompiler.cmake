@@ -20,6 +20,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
 endif()
 set(KNUCKLE_ARCH "${default_arch}" CACHE STRING "Value of -march; empty for the compiler's own default")
 option(KNUCKLE_VARIANTS "Build program and shared libraries for any x86-64, with variants for newer ones, as packages need" OFF)
+set(KNUCKLE_LEVELS "x86-64-v3;x86-64-v4" CACHE STRING "Newer x86-64 processors that KNUCKLE_VARIANTS compiles for")
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)

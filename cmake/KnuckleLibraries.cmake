@@ -14,7 +14,7 @@ set(KNUCKLE_LIBRARY_MODULES hdf5 hdf5_writer readers writers stream synth prepar
 set(KNUCKLE_VARIANT_LEVELS "")
 set(KNUCKLE_BASE_SUFFIX "")  # of the object libraries of what runs everywhere
 if(KNUCKLE_VARIANTS)
-  set(KNUCKLE_VARIANT_LEVELS x86-64-v3 x86-64-v4)
+  set(KNUCKLE_VARIANT_LEVELS ${KNUCKLE_LEVELS})
   set(KNUCKLE_BASE_SUFFIX .x86-64)
 endif()
 

@@ -9,7 +9,7 @@ endfunction()
 # Processors that code is compiled for besides KNUCKLE_ARCH (cmake/KnuckleLibraries.cmake).
 set(KNUCKLE_OTHER_LEVELS "")
 if(KNUCKLE_VARIANTS)
-  set(KNUCKLE_OTHER_LEVELS x86-64 x86-64-v3 x86-64-v4)
+  set(KNUCKLE_OTHER_LEVELS x86-64 ${KNUCKLE_LEVELS})
   list(REMOVE_ITEM KNUCKLE_OTHER_LEVELS "${KNUCKLE_ARCH}")
 endif()
 
