@@ -50,7 +50,7 @@ for (const [width, height] of [[1440, 900], [1024, 700], [360, 740]]) {
   }
 }
 
-test("the two views do not jump when hands come and go, nor when numbers grow", async () => {
+test("the two views do not jump when hands come and go, when numbers grow, nor when something is said", async () => {
   const open = await OpenPage.open(browser);
   const boxes = () => Promise.all(["#image", "#cloud"].map((id) => open.page.locator(id).boundingBox()));
   await open.show(scene.makeHeader({}), depth);
@@ -59,6 +59,10 @@ test("the two views do not jump when hands come and go, nor when numbers grow", 
   assert.deepEqual(await boxes(), before);
   for (let frame = 2; frame < 10; ++frame) await open.show(scene.makeHeader({ frame, hands, latency_ms: 123456.7 }), depth);
   await open.says("#latency-high", /12\d{4}\.\d ms/);
+  await open.drawn();
+  assert.deepEqual(await boxes(), before);
+  open.server.send(Buffer.alloc(1));
+  await open.says("#notices", /could not be read/);
   await open.drawn();
   assert.deepEqual(await boxes(), before);
 });
