@@ -12,7 +12,8 @@ set(KNUCKLE_SANITIZE "" CACHE STRING "Sanitizers to build with: `address` (and t
 option(KNUCKLE_WERROR "Treat warnings in our own code as errors" OFF)  # on in .ci/run: other compilers warn of other things
 # All is built in half the time so, but after a change more of it has to be. Names must differ within a module, even those
 # in unnamed namespaces.
-option(KNUCKLE_UNITY "Compile the sources of a module in groups of five" ON)
+option(KNUCKLE_UNITY "Compile the sources of a module in groups" ON)
+set(KNUCKLE_UNITY_SIZE 5 CACHE STRING "Sources of a group: more make a whole build quicker, and one after a change slower")
 # Tests, benchmarks and static libraries are compiled for one kind of processor, and so is all else without
 # KNUCKLE_VARIANTS: see cmake/KnuckleLibraries.cmake.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")

@@ -3,7 +3,7 @@ include(GoogleTest)
 
 # Compiles the target's sources in groups where KNUCKLE_UNITY is on.
 function(knuckle_group_sources target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KNUCKLE_UNITY} UNITY_BUILD_BATCH_SIZE 5)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KNUCKLE_UNITY} UNITY_BUILD_BATCH_SIZE ${KNUCKLE_UNITY_SIZE})
 endfunction()
 
 # Processors that code is compiled for besides KNUCKLE_ARCH (cmake/KnuckleLibraries.cmake).

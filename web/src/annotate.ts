@@ -64,6 +64,7 @@ function tick(): void {
   if (views.draw()) {
     drawLabels(views, state, mask);
     texts.show();
+    requestAnimationFrame(() => queue.noteDrawn());  // the next picture begins when this one is done
   }
   texts.showTimer();
   requestAnimationFrame(tick);
@@ -84,6 +85,7 @@ Object.assign(globalThis, {
     brush_px: () => mask.radius_px,
     placeAt: (x: number, y: number) => views.image.placeAt(x, y),
     answered_ms: () => queue.answered_ms,
+    drawn_ms: () => queue.drawn_ms,
     fit_ms: () => state.fit_ms,
     standings: () => state.standings,
     depth_mm: (column: number, row: number) => (state.images.depth[row * state.images.width + column] ?? 0) * (state.header?.depth_unit_mm ?? 0),

@@ -14,10 +14,12 @@ export interface ChangeHandlers {
 
 export class ChangeQueue {
   answered_ms: number | null = null;  // from the last change to its answer
+  drawn_ms: number | null = null;  // from the last change until its answer was seen
 
   #handlers: ChangeHandlers;
   #waiting: (() => LabelRequest | null)[] = [];
   #isPosting = false;
+  #undrawnSince: number | null = null;  // when the change was made whose answer is not drawn yet
   #nextPreview: LabelRequest | null = null;
   #isPreviewing = false;
 
@@ -59,6 +61,13 @@ export class ChangeQueue {
     this.#nextPreview = null;
   }
 
+  /** The views have been drawn: what was answered before is seen. */
+  noteDrawn(): void {
+    if (this.#undrawnSince === null) return;
+    this.drawn_ms = performance.now() - this.#undrawnSince;
+    this.#undrawnSince = null;
+  }
+
   async #postAll(): Promise<void> {
     this.#isPosting = true;
     while (this.#waiting.length > 0) {
@@ -70,6 +79,7 @@ export class ChangeQueue {
         const answer = await postChange(wanted);
         this.answered_ms = performance.now() - begin;
         await this.#handlers.takeAnswer(answer);
+        this.#undrawnSince = begin;
       });
     }
     this.#isPosting = false;

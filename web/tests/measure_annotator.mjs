@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far labels are from the truth after so many corrections, by the scripted annotator in a real browser; prints a table, no verdict:
-//     node web/tests/measure_annotator.mjs PROGRAM FRAMES MOST_CORRECTIONS [raw] [verify] [turns] [guess]
+//     node web/tests/measure_annotator.mjs PROGRAM FRAMES MOST_CORRECTIONS [raw] [verify] [turns] [guess] [large]
 // `raw` switches the hand model off; with `verify` each frame is verified before the next, so that neighbours follow, and frames are taken as the
 // program proposes them; `turns`: landmarks are also moved in the points, from the side and from above; `guess`: hidden ones are placed, too,
-// with a deviation of 10 mm. bench/labelling.cpp does the same without a browser.
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+// with a deviation of 10 mm; `large`: frames of 640x480 in place of 320x240. bench/labelling.cpp does the same without a browser.
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { Annotate, correctFarthest, errorOf, normals, openFrame, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
+import { Annotate, correctFarthest, errorOf, normals, openFrame, project, quiet, runProgram, shown, truthOf } from "./annotator.mjs";
 import { launch } from "./browser.mjs";
 
 const [program, frames = "60", most = "4", ...words] = process.argv.slice(2);
@@ -15,12 +15,17 @@ const has = (word) => words.includes(word);
 const how = { turns: has("turns"), guess_mm: has("guess") ? 10 : 0 };
 const folder = mkdtempSync(join(tmpdir(), "knuckle-annotator-"));
 const count = Number(frames);
-runProgram(program, ["render", "--manifest", "manifests/test_scenes.toml", "--count", frames, "--format", "folder", "--out", join(folder, "scenes")]);
+const manifest = join(folder, "manifest.toml");
+const large = { width: "640", height: "480", fx: "600.0", fy: "600.0", cx: "319.5", cy: "239.5" };
+writeFileSync(manifest, readFileSync(join(project, "manifests", "test_scenes.toml"), "utf8")
+  .replaceAll(/^(width|height|fx|fy|cx|cy) = .*$/gm, (line, key) => (has("large") ? `${key} = ${large[key]}` : line)));
+runProgram(program, ["render", "--manifest", manifest, "--count", frames, "--format", "folder", "--out", join(folder, "scenes")]);
 const truth = truthOf(join(folder, "scenes"));
 const knuckle = await Annotate.start(program, ["--source", `folder:${join(folder, "scenes")}`, "--labels", join(folder, "labels"), "--prelabel", "pipelines/default.toml"]);
 const browser = await launch();
 const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
 const answered = [];
+const drawn = [];
 const fits = [];
 try {
   await page.goto(knuckle.address);
@@ -46,6 +51,7 @@ try {
       if (corrected) {
         ++corrections;
         answered.push(await page.evaluate(() => globalThis.knuckle.answered_ms()));
+        drawn.push(await page.evaluate(() => globalThis.knuckle.drawn_ms()));
         fits.push(await page.evaluate(() => globalThis.knuckle.fit_ms()));
         error = errorOf(await shown(page), truth[frame]);
       }
@@ -70,7 +76,7 @@ try {
       console.log(`  exported with --smooth ${smooth}: ${method.mean_3d_mm.toFixed(2)} mm`);
     }
   }
-  console.log(`  fit ${percentile(fits, 0.5)} ms, 95th percentile ${percentile(fits, 0.95)} ms; change to answer in the page ${percentile(answered, 0.5)} ms, ${percentile(answered, 0.95)} ms`);
+  console.log(`  fit ${percentile(fits, 0.5)} ms, 95th percentile ${percentile(fits, 0.95)} ms; change to answer in the page ${percentile(answered, 0.5)} ms, ${percentile(answered, 0.95)} ms; until drawn ${percentile(drawn, 0.5)} ms, ${percentile(drawn, 0.95)} ms`);
 } finally {
   await browser.close();
   await knuckle.stop();
