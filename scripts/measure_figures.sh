@@ -57,8 +57,9 @@ onnx() { KNUCKLE_ONNX_FRAMES=520 ctest --test-dir "$build" -R '^onnx_program/' -
 joints() {
   local source='synthetic:manifests/validate_network.toml?count=300'
   "$build/bin/knuckle" estimate --source "$source" --init truth --pipeline pipelines/free_hand.toml --out "$out/joints.txt" || return 1
-  for landmarks in knuckle22 nyu14 icvl16; do
-    "$build/bin/knuckle" evaluate --truth "$source" --predictions "dense=$out/joints.txt" --landmarks "$landmarks" --out "$out/joints_$landmarks" || return 1
+  for landmarks in '' nyu14 icvl16; do
+    "$build/bin/knuckle" evaluate --truth "$source" --predictions "dense=$out/joints.txt" ${landmarks:+--landmarks "$landmarks"} \
+      --out "$out/joints_$landmarks" || return 1
     grep '' "$out/joints_$landmarks/joints.csv"
   done
 }

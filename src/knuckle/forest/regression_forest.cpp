@@ -12,7 +12,7 @@ namespace knuckle {
 
 namespace {
 
-using Node = RegressionForest::Node;
+using PatchNode = RegressionForest::Node;
 
 void check_parts(const RegressionForest::Parts& parts, const std::string& origin) {
   if (parts.feature_count < 1) fail("{}: a forest on {} features", origin, parts.feature_count);
@@ -39,12 +39,12 @@ std::vector<std::uint32_t> RegressionForest::leaves_of(std::span<const float> fe
   if (std::ssize(features) != parts_.feature_count) {
     fail("regression forest: {} features, expected {}", features.size(), parts_.feature_count);
   }
-  const Node* const nodes = parts_.trees.nodes.data();
+  const PatchNode* const nodes = parts_.trees.nodes.data();
   const FeatureQuantizer quantized = parts_.quantizer;
   std::vector<std::uint32_t> leaves;
   leaves.reserve(parts_.trees.roots.size());
   for (const std::uint32_t root : parts_.trees.roots) {
-    const Node* node = nodes + root;
+    const PatchNode* node = nodes + root;
     while (node->next >= 0) {
       const int difference =
           quantized(features[node->feature.first]) - quantized(features[node->feature.second]);

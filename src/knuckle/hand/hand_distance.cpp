@@ -30,12 +30,12 @@ JointMatrix matrix_of(const HandJoints& hand) {
 
 /// A hand's shape: centred, of size 1, turned to the axes of its palm. Relative turns of two such shapes are
 /// then far below half a turn, as HandSet::nearest needs.
-struct Shape {
+struct HandShape {
   JointMatrix joints;
   double size_mm;
 };
 
-Shape shape_of(const HandJoints& hand) {
+HandShape shape_of(const HandJoints& hand) {
   JointMatrix joints = matrix_of(hand);
   if (!joints.allFinite()) fail("hand shape: a joint is not finite");
   const Eigen::Matrix3d axes = hand_axes(hand[kWrist], hand[kIndexMcp], hand[kMiddleMcp], hand[kLittleMcp]);
@@ -85,7 +85,7 @@ struct HandSet::Target {
 HandSet::HandSet(std::span<const HandJoints> hands)
     : size_(hands.size()), blocks_((hands.size() + kLanes - 1) / kLanes) {
   for (std::size_t i = 0; i < blocks_.size() * kLanes; ++i) {
-    const Shape shape = shape_of(hands[std::min(i, size_ - 1)]);  // the last one fills its block
+    const HandShape shape = shape_of(hands[std::min(i, size_ - 1)]);  // the last one fills its block
     for (int k = 0; k < kHandJoints; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
         blocks_[i / kLanes].joints[k][axis][static_cast<Eigen::Index>(i % kLanes)] =
@@ -223,7 +223,7 @@ HandSet::Lanes HandSet::distances(const Block& block, const Target& target) {
 }
 
 NearestHand HandSet::nearest(const HandJoints& target) const {
-  const Shape shape = shape_of(target);
+  const HandShape shape = shape_of(target);
   Target single;
   for (int k = 0; k < kHandJoints; ++k) {
     for (int axis = 0; axis < 3; ++axis) {

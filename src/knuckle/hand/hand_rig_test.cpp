@@ -35,7 +35,7 @@ class HandRigTest : public ::testing::Test {
   static constexpr double kTolerance = 1e-4;
 };
 
-constexpr double kRight = std::numbers::pi / 2.0;
+constexpr double kRightAngle = std::numbers::pi / 2.0;
 
 TEST_F(HandRigTest, AxesAreOrthonormalAndRightHanded) {
   EXPECT_TRUE(rig_.axes_at_rest().isUnitary(1e-9));
@@ -58,13 +58,13 @@ TEST_F(HandRigTest, FlexionBendsTowardsThePalm) {
   for (int finger = 0; finger < 4; ++finger) {
     const FingerAngleNames names = angles_of_finger(finger);
     HandAngles angles;
-    angles[names.mcp] = kRight;
+    angles[names.mcp] = kRightAngle;
     EXPECT_GT(direction(angles, finger + 1, 0).z(), 0.98);
     EXPECT_GT(direction(angles, finger + 1, 2).z(), 0.98);  // the rest of the finger goes along
-    angles[names.pip] = kRight;
+    angles[names.pip] = kRightAngle;
     EXPECT_LT(direction(angles, finger + 1, 1).y(), -0.98);  // back towards the wrist
     angles = {};
-    angles[names.dip] = kRight;
+    angles[names.dip] = kRightAngle;
     EXPECT_GT(direction(angles, finger + 1, 1).y(), 0.98);
     EXPECT_GT(direction(angles, finger + 1, 2).z(), 0.98);
   }

@@ -57,7 +57,7 @@ TEST_F(PipelineFile, MayBeATextWhosePathsStartFromAFolder) {
 }
 
 /// Sees the palm in the middle of every patch, and is sure of it from a confidence of 0.31 on.
-class MiddleEstimator final : public Estimator {
+class PalmEstimator final : public Estimator {
  public:
   Convention convention() const override { return {"palm1", kPalm}; }
   const PatchExtractor& patches() const override { return patches_; }
@@ -72,17 +72,17 @@ class MiddleEstimator final : public Estimator {
 TEST_F(PipelineFile, AnEstimatorOfOnesOwnTakesThePlaceOfItsTable) {
   const std::string table = "[estimator]\nmethod = 'nobody knows it'\n[patch]\nsize_px = 32\n";
   const Pipeline pipeline = Pipeline::from_toml("[hand]\nmax_hands = 2\n" + table, folder_.path(),
-                                                std::make_unique<MiddleEstimator>());
+                                                std::make_unique<PalmEstimator>());
   EXPECT_EQ(pipeline.convention().name, "palm1");
   EXPECT_EQ(pipeline.hand().max_hands, 2);
   EXPECT_EQ(pipeline.hand().sure_confidence, 0.31);
   EXPECT_THAT(pipeline.resolved_options(), Not(HasSubstr("[estimator]")));
   write_text_file(folder_ / "p.toml", table);
-  EXPECT_EQ(Pipeline::load(folder_ / "p.toml", std::make_unique<MiddleEstimator>()).convention().name,
+  EXPECT_EQ(Pipeline::load(folder_ / "p.toml", std::make_unique<PalmEstimator>()).convention().name,
             "palm1");
   EXPECT_THAT(testing::error_of([&] {
                 Pipeline::from_toml("[hands]\nmax = 2\n", folder_.path(),
-                                    std::make_unique<MiddleEstimator>());
+                                    std::make_unique<PalmEstimator>());
               }),
               HasSubstr("unknown key"));
 }

@@ -15,8 +15,8 @@ namespace {
 constexpr std::int64_t kMostAtOnce = 1024;  ///< frames that are read together
 
 double gigabytes_of(std::int64_t frames, const DetectorOptions& network) {
-  constexpr double kBytesPerGigabyte = 1e9;
-  return static_cast<double>(DetectorSamples::bytes(frames, network)) / kBytesPerGigabyte;
+  constexpr double kGigabyte = 1e9;
+  return static_cast<double>(DetectorSamples::bytes(frames, network)) / kGigabyte;
 }
 
 void require_memory(const DetectorTrainingConfig& config, std::int64_t training, std::int64_t validation) {

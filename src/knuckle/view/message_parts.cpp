@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "messages are little endian, and copied");
 
-double rounded(double value) {
+double rounded_mm(double value) {
   constexpr double kPerMillimetre = 1000.0;
   return std::round(value * kPerMillimetre) / kPerMillimetre;
 }
@@ -76,7 +76,7 @@ Json bones_json(const Convention& convention) {
 Json flesh_json(const HandRecord& hand) {
   Json pieces = Json::array();
   for (FleshPiece piece : flesh_of(hand)) {
-    std::ranges::transform(piece, piece.begin(), rounded);
+    std::ranges::transform(piece, piece.begin(), rounded_mm);
     pieces.push_back(piece);
   }
   return pieces;

@@ -26,7 +26,7 @@ StoredFrame small_frame() {
   return frame;
 }
 
-std::string fault_of(const std::vector<std::uint8_t>& bytes) {
+std::string fault_of_bytes(const std::vector<std::uint8_t>& bytes) {
   return error_of([&] { stored_frame_from(bytes, "a.h5.partial: frame 7"); });
 }
 
@@ -47,12 +47,12 @@ TEST(StoredFrame, IsReadFromItsBytes) {
 TEST(StoredFrame, CutShortAnywhereOrTooLongIsRefused) {
   std::vector<std::uint8_t> bytes = to_bytes(small_frame());
   bytes.push_back(0);
-  EXPECT_THAT(fault_of(bytes),
+  EXPECT_THAT(fault_of_bytes(bytes),
               AllOf(StartsWith("a.h5.partial: frame 7: "), HasSubstr("something follows it")));
   while (!bytes.empty()) {
     bytes.pop_back();
     if (bytes.size() == to_bytes(small_frame()).size()) continue;
-    ASSERT_THAT(fault_of(bytes), AllOf(StartsWith("a.h5.partial: frame 7: "), HasSubstr("ends too early")));
+    ASSERT_THAT(fault_of_bytes(bytes), AllOf(StartsWith("a.h5.partial: frame 7: "), HasSubstr("ends too early")));
   }
 }
 
@@ -60,7 +60,7 @@ TEST(StoredFrame, LengthsAndCamerasThatNoFrameHasAreRefused) {
   const auto fault_with = [](const std::function<void(StoredFrame&)>& change) {
     StoredFrame frame = small_frame();
     change(frame);
-    return fault_of(to_bytes(frame));
+    return fault_of_bytes(to_bytes(frame));
   };
   const auto is_damaged = HasSubstr("a.h5.partial: frame 7: the record of the frame is damaged");
   EXPECT_THAT(fault_with([](StoredFrame& frame) { frame.camera.width = -1; }), is_damaged);

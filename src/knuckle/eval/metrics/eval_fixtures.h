@@ -13,6 +13,11 @@
 
 namespace knuckle::testing {
 
+/// That of the poses which tests make up.
+inline const Convention& example_convention() {
+  return convention_from_name("icg20");
+}
+
 /// Truth of `frames` icg20 poses whose joints lie on a grid around the middle of a 64 x 48 image.
 inline Truth example_truth(int frames) {
   Camera camera;

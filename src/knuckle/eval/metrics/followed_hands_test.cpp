@@ -12,15 +12,12 @@ namespace knuckle {
 namespace {
 
 using testing::error_of;
+using testing::example_convention;
 using ::testing::HasSubstr;
-
-const Convention& convention() {
-  return convention_from_name("icg20");
-}
 
 std::vector<Point3> landmarks_at(const Point3& place) {
   std::vector<Point3> points;
-  for (int i = 0; i < convention().size(); ++i) points.emplace_back(place + Point3(i % 4, i / 4.0, 0.0));
+  for (int i = 0; i < example_convention().size(); ++i) points.emplace_back(place + Point3(i % 4, i / 4.0, 0.0));
   return points;
 }
 
@@ -35,7 +32,7 @@ HandRecord found_at(int id, std::optional<HandSide> side, const Point3& place) {
   HandRecord hand;
   hand.id = id;
   hand.side = side;
-  hand.convention = convention();
+  hand.convention = example_convention();
   hand.landmarks_mm = landmarks_at(place);
   hand.landmarks_px.resize(hand.landmarks_mm.size());
   return hand;
@@ -48,7 +45,7 @@ FrameRecord record_of(std::vector<HandRecord> hands) {
 }
 
 FollowedScore score_of(const std::vector<TrueHands>& truth, const std::vector<FrameRecord>& records) {
-  return followed_score("made up", convention(), truth, records);
+  return followed_score("made up", example_convention(), truth, records);
 }
 
 TEST(FollowedHands, LandmarksCountByWhatLiesBeforeThemInTheHandsThatHadToBeFound) {
@@ -120,7 +117,7 @@ TEST(FollowedHands, AHandThatIsFoundLaterOrAgainWasLost) {
 TEST(FollowedHands, HaveARecordForEachFrame) {
   const std::vector<TrueHands> truth(2);
   const std::vector<FrameRecord> records(3);
-  EXPECT_THAT(error_of([&] { followed_score("mine", superset_convention(), truth, records); }),
+  EXPECT_THAT(error_of([&] { followed_score("mine", superset_example_convention(), truth, records); }),
               ::testing::HasSubstr("mine: 3 records, expected one for each of 2 frames"));
 }
 
@@ -150,10 +147,10 @@ TEST(FollowedHands, AHiddenHandNeedNotBeFoundAndMay) {
 TEST(FollowedHands, LandmarksAreComparedByName) {
   const std::vector<TrueHands> truth{{0, {hand_at(HandSide::right, kHere)}}};
   HandRecord hand;
-  hand.convention = superset_convention();
+  hand.convention = superset_example_convention();
   hand.landmarks_mm.assign(static_cast<std::size_t>(hand.convention.size()), Point3(kNaN, kNaN, kNaN));
-  for (int i = 0; i < convention().size(); ++i) {
-    const int place = hand.convention.index_of(convention().landmarks[i]);
+  for (int i = 0; i < example_convention().size(); ++i) {
+    const int place = hand.convention.index_of(example_convention().landmarks[i]);
     if (place >= 0) hand.landmarks_mm[place] = truth[0].hands[0].landmarks_mm[i] + Point3(0, 0, 6);
   }
   const FollowedScore score = score_of(truth, {record_of({hand})});

@@ -6,15 +6,13 @@
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/eval/metrics/eval_fixtures.h"
 
 namespace knuckle {
 namespace {
 
+using testing::example_convention;
 using Place = std::function<Point3(int frame, int joint)>;
-
-const Convention& convention() {
-  return convention_from_name("icg20");
-}
 
 Projection some_projection() {
   Camera camera;
@@ -27,10 +25,10 @@ Projection some_projection() {
 }
 
 PoseSequence sequence_of(int frames, const Place& place) {
-  PoseSequence sequence{"made up", convention(), {}};
+  PoseSequence sequence{"made up", example_convention(), {}};
   for (int frame = 0; frame < frames; ++frame) {
-    HandPose pose = HandPose::missing(convention());
-    for (int joint = 0; joint < convention().size(); ++joint) {
+    HandPose pose = HandPose::missing(example_convention());
+    for (int joint = 0; joint < example_convention().size(); ++joint) {
       const Point3 point = place(frame, joint);
       if (point.allFinite()) pose.joints[static_cast<std::size_t>(joint)] = some_projection().to_image(point);
     }

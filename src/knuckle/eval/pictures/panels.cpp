@@ -11,7 +11,7 @@
 namespace knuckle {
 namespace {
 
-constexpr int kGapPx = 6;
+constexpr int kPanelGapPx = 6;
 constexpr Rgb kGap{0xff, 0xff, 0xff};
 
 /// The smallest box around what is not 0; empty where all is.
@@ -55,15 +55,15 @@ Image<float> as_depths(const Image<std::uint16_t>& infrared) {
 }
 
 Image<Rgb> beside_each_other(const std::vector<Image<Rgb>>& pictures) {
-  int width = -kGapPx;
-  for (const Image<Rgb>& picture : pictures) width += picture.width() + kGapPx;
+  int width = -kPanelGapPx;
+  for (const Image<Rgb>& picture : pictures) width += picture.width() + kPanelGapPx;
   Image<Rgb> result(width, pictures.front().height(), kGap);
   int left = 0;
   for (const Image<Rgb>& picture : pictures) {
     for (int row = 0; row < picture.height(); ++row) {
       std::ranges::copy(picture.row(row), result.row(row).begin() + left);
     }
-    left += picture.width() + kGapPx;
+    left += picture.width() + kPanelGapPx;
   }
   return result;
 }

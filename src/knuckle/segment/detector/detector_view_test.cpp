@@ -143,9 +143,9 @@ TEST(DetectorView, OneFlyingPixelPerCellIsNotSeen) {
 
 TEST(DetectorView, WhatIsNotMeasuredIsInfinitelyFar) {
   Frame frame = blank_frame(vga_camera());
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  for (const float nothing : {0.0f, -5.0f, kNan, kInfinity, -kInfinity}) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float nothing : {0.0f, -5.0f, nan, infinity, -infinity}) {
     std::ranges::fill(frame.depth_mm.pixels(), nothing);
     const DetectorInput input = DetectorView({}, frame.camera).shrink(frame.depth_mm);
     EXPECT_THAT(input.inverse_depth.pixels(), ::testing::Each(0.0f)) << nothing;
