@@ -25,13 +25,13 @@ defined_in() { sed -nE 's/^(struct|class|enum class|inline constexpr [^=]*[ >]) 
 twice=$(git ls-files 'src/*.h' | grep -v testing | while read -r file; do defined_in "$file"; done | sort | uniq -d)
 [ -z "$twice" ] || { echo "defined in two headers: $twice"; exit 1; }
 
-# clang-tidy takes most of its time for the headers that a source includes, so it looks at large groups of sources, most of them whole
-# modules: a fraction of the time, and the same findings in each. What it no longer notices is an include that a source borrows from a
+# clang-tidy takes most of its time for the headers that a source includes, so it looks at groups of sources: a fraction of
+# the time, and the same findings in each. What it no longer notices is an include that a source borrows from a
 # neighbour in its group; building with KNUCKLE_UNITY=OFF does. Two of its checks look at the file alone that it is given: those
 # above take their place.
 grouped=build/style
 single=build/style_single
-cmake --preset release -B "$grouped" -DKNUCKLE_UNITY=ON -DKNUCKLE_UNITY_SIZE=20 --log-level=WARNING > /dev/null
+cmake --preset release -B "$grouped" -DKNUCKLE_UNITY=ON -DKNUCKLE_UNITY_SIZE=10 --log-level=WARNING > /dev/null
 cmake --preset release -B "$single" -DKNUCKLE_UNITY=OFF --log-level=WARNING > /dev/null
 
 # Tests are left to the compiler's warnings: GoogleTest's macros take clang-tidy many times longer than our code.

@@ -13,6 +13,7 @@
 #include "knuckle/core/text.h"
 #include "knuckle/data/poses_file.h"
 #include "knuckle/data/writers/frame_writer.h"
+#include "knuckle/data/writers/set_depth_unit.h"
 #include "knuckle/label/agreement_json.h"
 #include "knuckle/label/label_journal.h"
 #include "knuckle/label/labelled_source.h"
@@ -76,7 +77,9 @@ void write_second_hands(const FrameSource& source, const LabelBook& book, const 
 
 /// Frames without a hand get a pose of which nothing is known: all or none of a set are labelled.
 void write_set(const LabelledSource& labelled, const LabelsArguments& arguments) {
-  const auto writer = create_frame_writer(arguments.format, arguments.out, FrameWriterOptions());
+  FrameWriterOptions options;
+  if (arguments.format != "icg") options.depth_unit_mm = set_depth_unit_mm(labelled);
+  const auto writer = create_frame_writer(arguments.format, arguments.out, options);
   Progress progress("export", "frames", labelled.size());
   parallel_for(labelled.size(), [&](std::int64_t i) {
     if (!writer->has(i)) {

@@ -62,9 +62,13 @@ std::optional<double> exact_depth_unit_mm(const Image<float>& depth_mm) {
 double suitable_depth_unit_mm(const Image<float>& depth_mm) {
   if (const auto exact = exact_depth_unit_mm(depth_mm)) return *exact;
   constexpr double kFine = 0.1;
+  return reaches_all(depth_mm, kFine) ? kFine : 1.0;
+}
+
+bool reaches_all(const Image<float>& depth_mm, double unit_mm) {
   float deepest = 0.0f;
   for (const float depth : depth_mm.pixels()) deepest = depth > deepest ? depth : deepest;
-  return deepest <= kFine * kMostCounts ? kFine : 1.0;
+  return deepest <= unit_mm * kMostCounts;
 }
 
 Image<std::uint16_t> near_counts_from_depth(const Image<float>& depth_mm, double unit_mm) {

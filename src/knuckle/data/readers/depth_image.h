@@ -30,6 +30,9 @@ std::optional<double> exact_depth_unit_mm(const Image<float>& depth_mm);
 /// Whether all of the depth can be kept so in this unit.
 bool is_exact_in(const Image<float>& depth_mm, double unit_mm);
 
+/// Whether nothing is farther than 16 bits hold in this unit.
+bool reaches_all(const Image<float>& depth_mm, double unit_mm);
+
 /// A unit for depth of which nothing else is known: the exact one; else 0.1 mm, which reaches to 6.5 m, or
 /// 1 mm where something is farther.
 double suitable_depth_unit_mm(const Image<float>& depth_mm);
