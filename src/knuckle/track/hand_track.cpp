@@ -14,13 +14,13 @@ constexpr double kFastestMmPerSecond = 4000.0;  // hands hardly move faster
 constexpr double kVelocityCutoffHz = 5.0;
 constexpr int kMostSideVotes = 10;
 
-Point3 middle_of_points(const std::array<Point3, kSupersetSize>& points) {
-  Point3 sum = Point3::Zero();
-  for (const Point3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
 }  // namespace
+
+Point3 middle_of(const SkeletonPose& pose) {
+  Point3 sum = Point3::Zero();
+  for (const Point3& point : landmarks(adult_skeleton(), pose)) sum += point;
+  return sum / static_cast<double>(kSupersetSize);
+}
 
 Point3 in_mirror(const Point3& point, HandSide side) {
   return side == HandSide::left ? Point3(-point.x(), point.y(), point.z()) : point;
@@ -45,7 +45,7 @@ void HandTrack::begin_anew(double now_s) {
 void HandTrack::move_to(const SkeletonPose& next, double now_s) {
   const bool is_first = !pose;
   const double seconds = is_first ? kDefaultStepSeconds : now_s - seen_s;
-  const Point3 next_middle = in_mirror(middle_of_points(landmarks(adult_skeleton(), next)), side());
+  const Point3 next_middle = in_mirror(middle_of(next), side());
   if (!is_first) {
     Eigen::Vector3d now = (next_middle - middle) / seconds;
     if (now.norm() > kFastestMmPerSecond) now *= kFastestMmPerSecond / now.norm();

@@ -19,11 +19,14 @@ inline constexpr double kDefaultStepSeconds = 1.0 / 30.0;
 /// A point of a left hand as that of a right one, or back: x is negated. One of a right hand stays.
 Point3 in_mirror(const Point3& point, HandSide side);
 
+/// Mean of the landmarks of an adult's hand in a pose.
+Point3 middle_of(const SkeletonPose& pose);
+
 /// A hand that a Tracker follows, as a right one: a left one in a mirror. Times are in s. A value.
 struct HandTrack {
   /// First seen at `now_s`, not fitted yet.
   HandTrack(int number, double now_s, const TrackerOptions& options)
-      : id(number), begun_s(now_s), seen_s(now_s), smoother(options) {}
+      : id(number), begun_s(now_s), seen_s(now_s), agreed_s(now_s), smoother(options) {}
 
   bool is_seen_at(double now_s) const { return seen_s == now_s && pose.has_value(); }
   HandSide side() const { return side_votes < 0 ? HandSide::left : HandSide::right; }
@@ -40,9 +43,11 @@ struct HandTrack {
   /// hand that was fitted.
   HandSkin forearm() const;
 
-  int id;                                 ///< from 1 on
-  double begun_s;                         ///< when it was first seen, as a hand of its side
-  double seen_s;                          ///< when it was seen last
+  int id;           ///< from 1 on
+  double begun_s;   ///< when it was first seen, as a hand of its side
+  double seen_s;    ///< when it was seen last
+  double agreed_s;  ///< when an estimate last agreed with how fast hands turn, and how it was turned then
+  Eigen::Matrix3d agreed_turn = Eigen::Matrix3d::Identity();
   int side_votes = 0;                     ///< above 0: right
   int trust = 0;                          ///< how often searches of all of the frame found it, up to a limit
   bool is_found_again = false;            ///< by the search under way

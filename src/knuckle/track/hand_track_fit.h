@@ -26,4 +26,13 @@ RightHandSight right_hand_sight(const Frame& frame, const HandEstimate& estimate
 std::optional<SkeletonFit> fit_track(const HandTrack& track, const RightHandSight& sight, double now_s,
                                      double learn_s, PersonHand& person);
 
+/// Whether the hand would have turned faster than hands do, from when the track was last believed to `next`
+/// at `now_s` [s]: an estimate that sees a hand the wrong way about. What is said for long is believed.
+bool turns_too_fast(const HandTrack& track, const SkeletonPose& next, double now_s);
+
+/// In place of an estimate that turns a hand too fast: the track's last pose drawn to what the frame shows
+/// near it. Nothing where that lies elsewhere, or clearly worse on what was measured.
+std::optional<SkeletonFit> fit_where_it_was(const HandTrack& track, const SkeletonFit& estimated,
+                                            const Frame& frame, double now_s);
+
 }  // namespace knuckle

@@ -262,16 +262,28 @@ HandTrack* Tracker::seen_near(const Point3& middle) {
   return found == tracks_.end() ? nullptr : &*found;
 }
 
-/// Moves a track on to an estimate of its side. False where that says nothing of the hand: too few
+/// Moves a track on to an estimate of its side, or, where that would have the hand turned faster than hands
+/// turn, to what the frame shows where the hand was. False where that says nothing of the hand: too few
 /// landmarks, or a hand that is not plausible.
 bool Tracker::take(const Frame& frame, const HandEstimate& estimate, HandTrack& track) const {
   const RightHandSight sight = right_hand_sight(frame, estimate);
   PersonHand person = track.person;
-  const auto fit = fit_track(track, sight, *now_s_, options_.learn_s, person);
+  auto fit = fit_track(track, sight, *now_s_, options_.learn_s, person);
   if (!fit) return false;
+  const bool agrees = !turns_too_fast(track, fit->pose, *now_s_);
+  if (!agrees) {
+    if (const auto held = fit_where_it_was(track, *fit, frame, *now_s_)) {
+      fit = held;
+      person = track.person;
+    }
+  }
   const double score = estimate.score * plausibility_of(*fit);
   if (score < pipeline_.hand().sure_confidence) return false;
   track.person = person;
+  if (agrees) {
+    track.agreed_s = *now_s_;
+    track.agreed_turn = fit->pose.camera_from_hand.linear();
+  }
   track.move_to(fit->pose, *now_s_);
   track.score = score;
   track.confidence.assign(sight.targets.size(), 0.0f);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One hand that is followed, and what the tracker refuses.
+#include <numbers>
 #include <thread>
 
 #include "knuckle/track/tracker_testing.h"
@@ -212,6 +213,26 @@ TEST_F(TrackerTest, AHandWhoseSideIsMistakenForAMomentIsStillSeen) {
     EXPECT_EQ(hands[0].side, HandSide::left);
     EXPECT_LT((middle_of(hands[0]) - world_.hands[0].middle).norm(), 10.0) << i;
   }
+}
+
+TEST_F(TrackerTest, AHandIsNotTurnedAboutInAMoment) {
+  const Pipeline seeing = pipeline(1);
+  Tracker tracker(seeing, {.smoothing = "none"});
+  world_.hands = {TrueHand{}};
+  const auto wrist_at = [&](int frame) {
+    const auto hands = tracker.update(frame_at(frame / 30.0));
+    EXPECT_EQ(hands.size(), 1u) << frame;
+    return hands.empty() ? Point3(0, 0, 0)
+                         : Projection(symmetric_camera()).to_camera(hands[0].pose.joints[0]);
+  };
+  const Point3 upright = wrist_at(0);
+  world_.turned_rad = 0.5;  // as fast as hands turn
+  const Point3 aside = wrist_at(1);
+  EXPECT_GT((aside - upright).norm(), 20.0);
+  world_.turned_rad = 0.5 + std::numbers::pi;  // a network that errs for a moment
+  for (int frame = 2; frame < 8; ++frame) EXPECT_LT((wrist_at(frame) - aside).norm(), 30.0) << frame;
+  for (int frame = 8; frame < 12; ++frame) wrist_at(frame);
+  EXPECT_GT((wrist_at(12) - aside).norm(), 100.0) << "what is seen for long is believed";
 }
 
 TEST_F(TrackerTest, AnswersTheSameForTheSameFrames) {

@@ -9,6 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
@@ -38,6 +40,7 @@ struct TrueHand {
 struct World {
   std::vector<TrueHand> hands;
   double noise_mm = 0.0;
+  double turned_rad = 0.0;  // how the estimator sees all hands, around the line of sight
   double size = 1.0;
   int searches = 0;  // of all of a frame
   int looks = 0;     // of the estimator
@@ -93,10 +96,11 @@ class StraightEstimator final : public Estimator {
     Point3 mean = Point3::Zero();
     for (const Point3& point : points) mean += point / static_cast<double>(points.size());
     PatchPose pose;
+    const Eigen::AngleAxisd turn(world_.turned_rad, Eigen::Vector3d::UnitZ());
     for (const Point3& point : points) {
       const Point3 noise(world_.random.normal(), world_.random.normal(), world_.random.normal());
-      pose.joints.push_back(
-          patch.geometry.to_patch(projection.to_image(centre + point - mean + world_.noise_mm * noise)));
+      pose.joints.push_back(patch.geometry.to_patch(
+          projection.to_image(centre + turn * (point - mean) + world_.noise_mm * noise)));
       pose.confidence.push_back(confidence_at(centre));
     }
     return pose;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/writers/set_depth_unit.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 
@@ -21,8 +20,9 @@ double set_depth_unit_mm(const FrameSource& source) {
     }
     if (!reaches_all(depth_mm, kFine)) is_far = true;
   });
-  const auto exact = std::ranges::find(is_inexact, false);
-  if (exact != is_inexact.end()) return kDepthUnitsMm[static_cast<std::size_t>(exact - is_inexact.begin())];
+  for (std::size_t unit = 0; unit < kDepthUnitsMm.size(); ++unit) {
+    if (!is_inexact[unit]) return kDepthUnitsMm[unit];
+  }
   return is_far ? 1.0 : kFine;
 }
 

@@ -117,7 +117,7 @@ TEST(FollowedHands, AHandThatIsFoundLaterOrAgainWasLost) {
 TEST(FollowedHands, HaveARecordForEachFrame) {
   const std::vector<TrueHands> truth(2);
   const std::vector<FrameRecord> records(3);
-  EXPECT_THAT(error_of([&] { followed_score("mine", superset_example_convention(), truth, records); }),
+  EXPECT_THAT(error_of([&] { followed_score("mine", superset_convention(), truth, records); }),
               ::testing::HasSubstr("mine: 3 records, expected one for each of 2 frames"));
 }
 
@@ -147,7 +147,7 @@ TEST(FollowedHands, AHiddenHandNeedNotBeFoundAndMay) {
 TEST(FollowedHands, LandmarksAreComparedByName) {
   const std::vector<TrueHands> truth{{0, {hand_at(HandSide::right, kHere)}}};
   HandRecord hand;
-  hand.convention = superset_example_convention();
+  hand.convention = superset_convention();
   hand.landmarks_mm.assign(static_cast<std::size_t>(hand.convention.size()), Point3(kNaN, kNaN, kNaN));
   for (int i = 0; i < example_convention().size(); ++i) {
     const int place = hand.convention.index_of(example_convention().landmarks[i]);
