@@ -78,11 +78,9 @@ TEST_F(PipelineFile, AnEstimatorOfOnesOwnTakesThePlaceOfItsTable) {
   EXPECT_EQ(pipeline.hand().sure_confidence, 0.31);
   EXPECT_THAT(pipeline.resolved_options(), Not(HasSubstr("[estimator]")));
   write_text_file(folder_ / "p.toml", table);
-  EXPECT_EQ(Pipeline::load(folder_ / "p.toml", std::make_unique<PalmEstimator>()).convention().name,
-            "palm1");
+  EXPECT_EQ(Pipeline::load(folder_ / "p.toml", std::make_unique<PalmEstimator>()).convention().name, "palm1");
   EXPECT_THAT(testing::error_of([&] {
-                Pipeline::from_toml("[hands]\nmax = 2\n", folder_.path(),
-                                    std::make_unique<PalmEstimator>());
+                Pipeline::from_toml("[hands]\nmax = 2\n", folder_.path(), std::make_unique<PalmEstimator>());
               }),
               HasSubstr("unknown key"));
 }

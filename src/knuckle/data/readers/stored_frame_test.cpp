@@ -52,7 +52,8 @@ TEST(StoredFrame, CutShortAnywhereOrTooLongIsRefused) {
   while (!bytes.empty()) {
     bytes.pop_back();
     if (bytes.size() == to_bytes(small_frame()).size()) continue;
-    ASSERT_THAT(fault_of_bytes(bytes), AllOf(StartsWith("a.h5.partial: frame 7: "), HasSubstr("ends too early")));
+    ASSERT_THAT(fault_of_bytes(bytes),
+                AllOf(StartsWith("a.h5.partial: frame 7: "), HasSubstr("ends too early")));
   }
 }
 

@@ -17,7 +17,8 @@ using ::testing::HasSubstr;
 
 std::vector<Point3> landmarks_at(const Point3& place) {
   std::vector<Point3> points;
-  for (int i = 0; i < example_convention().size(); ++i) points.emplace_back(place + Point3(i % 4, i / 4.0, 0.0));
+  for (int i = 0; i < example_convention().size(); ++i)
+    points.emplace_back(place + Point3(i % 4, i / 4.0, 0.0));
   return points;
 }
 

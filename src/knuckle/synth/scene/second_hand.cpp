@@ -98,7 +98,7 @@ HandPath sampled_path(HandMeeting meeting, const Point3& first, const Point3& ot
 
 /// Whether a hand runs into the first one, at any moment of that and anywhere on its path.
 bool collides(const SecondHand& second, const FirstHand& first) {
-  constexpr int kPhases = 9;          // of one way
+  constexpr int kPhases = 9;               // of one way
   constexpr double kDeepestTouchMm = 8.0;  // flesh yields, and the first hand moves a little
   for (int i = 0; i < kPhases; ++i) {
     const auto capsules = hand_capsules(second.at(0.5 * i / (kPhases - 1)).landmarks);
