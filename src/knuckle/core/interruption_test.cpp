@@ -16,7 +16,10 @@ namespace {
 
 class InterruptionTest : public ::testing::Test {
  protected:
-  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+  void SetUp() override {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    std::signal(SIGINT, SIG_DFL);  // a shell's background jobs ignore it, and hand that on
+  }
   void TearDown() override { set_interrupted(false); }
 };
 
