@@ -64,7 +64,8 @@ function tick(): void {
   if (views.draw()) {
     drawLabels(views, state, mask);
     texts.show();
-    requestAnimationFrame(() => queue.noteDrawn());  // the next picture begins when this one is done
+    const since = queue.undrawnSince;
+    requestAnimationFrame(() => queue.noteDrawn(since));  // the next picture begins when this one is done
   }
   texts.showTimer();
   requestAnimationFrame(tick);

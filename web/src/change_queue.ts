@@ -14,12 +14,12 @@ export interface ChangeHandlers {
 
 export class ChangeQueue {
   answered_ms: number | null = null;  // from the last change to its answer
-  drawn_ms: number | null = null;  // from the last change until its answer was seen
+  drawn_ms: number | null = null;  // from the last change until its answer was seen; null until then
+  undrawnSince: number | null = null;  // when the change was made whose answer is not drawn yet
 
   #handlers: ChangeHandlers;
   #waiting: (() => LabelRequest | null)[] = [];
   #isPosting = false;
-  #undrawnSince: number | null = null;  // when the change was made whose answer is not drawn yet
   #nextPreview: LabelRequest | null = null;
   #isPreviewing = false;
 
@@ -61,11 +61,11 @@ export class ChangeQueue {
     this.#nextPreview = null;
   }
 
-  /** The views have been drawn: what was answered before is seen. */
-  noteDrawn(): void {
-    if (this.#undrawnSince === null) return;
-    this.drawn_ms = performance.now() - this.#undrawnSince;
-    this.#undrawnSince = null;
+  /** What was undrawn since then, when the views were drawn, is seen now. */
+  noteDrawn(since: number | null): void {
+    if (since === null || since !== this.undrawnSince) return;
+    this.drawn_ms = performance.now() - since;
+    this.undrawnSince = null;
   }
 
   async #postAll(): Promise<void> {
@@ -76,10 +76,11 @@ export class ChangeQueue {
       const wanted = { ...made, seconds: this.#handlers.takeSeconds() };
       await this.#handlers.attempt(async () => {
         const begin = performance.now();
+        this.drawn_ms = null;
         const answer = await postChange(wanted);
         this.answered_ms = performance.now() - begin;
         await this.#handlers.takeAnswer(answer);
-        this.#undrawnSince = begin;
+        this.undrawnSince = begin;
       });
     }
     this.#isPosting = false;

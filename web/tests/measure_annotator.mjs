@@ -51,6 +51,7 @@ try {
       if (corrected) {
         ++corrections;
         answered.push(await page.evaluate(() => globalThis.knuckle.answered_ms()));
+        await page.waitForFunction(() => globalThis.knuckle.drawn_ms() !== null);
         drawn.push(await page.evaluate(() => globalThis.knuckle.drawn_ms()));
         fits.push(await page.evaluate(() => globalThis.knuckle.fit_ms()));
         error = errorOf(await shown(page), truth[frame]);

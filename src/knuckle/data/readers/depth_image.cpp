@@ -61,8 +61,7 @@ std::optional<double> exact_depth_unit_mm(const Image<float>& depth_mm) {
 
 double suitable_depth_unit_mm(const Image<float>& depth_mm) {
   if (const auto exact = exact_depth_unit_mm(depth_mm)) return *exact;
-  constexpr double kFine = 0.1;
-  return reaches_all(depth_mm, kFine) ? kFine : 1.0;
+  return reaches_all(depth_mm, kDepthUnitsMm.back()) ? kDepthUnitsMm.back() : kDepthUnitsMm.front();
 }
 
 bool reaches_all(const Image<float>& depth_mm, double unit_mm) {

@@ -10,7 +10,6 @@
 namespace knuckle {
 
 double set_depth_unit_mm(const FrameSource& source) {
-  constexpr double kFine = 0.1;
   std::array<std::atomic<bool>, kDepthUnitsMm.size()> is_inexact{};
   std::atomic<bool> is_far = false;
   parallel_for(source.size(), [&](std::int64_t i) {
@@ -18,12 +17,12 @@ double set_depth_unit_mm(const FrameSource& source) {
     for (std::size_t unit = 0; unit < kDepthUnitsMm.size(); ++unit) {
       if (!is_inexact[unit] && !is_exact_in(depth_mm, kDepthUnitsMm[unit])) is_inexact[unit] = true;
     }
-    if (!reaches_all(depth_mm, kFine)) is_far = true;
+    if (!reaches_all(depth_mm, kDepthUnitsMm.back())) is_far = true;
   });
   for (std::size_t unit = 0; unit < kDepthUnitsMm.size(); ++unit) {
     if (!is_inexact[unit]) return kDepthUnitsMm[unit];
   }
-  return is_far ? 1.0 : kFine;
+  return is_far ? kDepthUnitsMm.front() : kDepthUnitsMm.back();
 }
 
 }  // namespace knuckle
