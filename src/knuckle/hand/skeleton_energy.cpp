@@ -237,11 +237,8 @@ double SkeletonEnergy::weight(std::size_t landmark) const {
 }
 
 double SkeletonEnergy::prior_of(const SkeletonPose& pose) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < kHandAngleCount; ++i) {
-    const double away = (pose.angles.radians[i] - rest_.radians[i]) / options_.posture_rad;
-    sum += away * away;
-    if (!options_.expected) continue;
+  double sum = postures_.squared_distance(pose.angles) / (options_.posture_spread * options_.posture_spread);
+  for (std::size_t i = 0; options_.expected && i < kHandAngleCount; ++i) {
     const double unexpected =
         (pose.angles.radians[i] - options_.expected->radians[i]) / options_.expected_rad;
     sum += unexpected * unexpected;
@@ -259,11 +256,10 @@ double SkeletonEnergy::prior_of(const SkeletonPose& pose) const {
 }
 
 void SkeletonEnergy::add_prior(const SkeletonPose& pose, Linearised& result) const {
-  const double of_angles = 1.0 / (options_.posture_rad * options_.posture_rad);
-  for (int i = 0; i < kHandAngleCount; ++i) {
-    result.gradient[i] += of_angles * (pose.angles.radians[i] - rest_.radians[i]);
-    result.curvature(i, i) += of_angles;
-    if (!options_.expected) continue;
+  const double of_posture = 1.0 / (options_.posture_spread * options_.posture_spread);
+  result.gradient.head<kHandAngleCount>() += of_posture * postures_.half_gradient(pose.angles);
+  result.curvature.topLeftCorner<kHandAngleCount, kHandAngleCount>() += of_posture * postures_.precision;
+  for (int i = 0; options_.expected && i < kHandAngleCount; ++i) {
     const double of_expected = 1.0 / (options_.expected_rad * options_.expected_rad);
     result.gradient[i] += of_expected * (pose.angles.radians[i] - options_.expected->radians[i]);
     result.curvature(i, i) += of_expected;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "knuckle/hand/posture_prior.h"
 #include "knuckle/hand/skeleton_fit.h"
 #include "knuckle/hand/surface_contacts.h"
 
@@ -33,7 +34,7 @@ std::array<Point3, kSupersetSize> landmarks(const HandSkeleton& skeleton, const 
 
 /// A hand that does nothing: fingers a little bent, the thumb beside and before them.
 HandAngles bent_hand(double mcp, double pip);
-/// The mean of the prior.
+/// One of the postures that a search begins with.
 inline HandAngles resting_hand() {
   return bent_hand(0.3, 0.4);
 }
@@ -69,7 +70,7 @@ class SkeletonEnergy {
   const LandmarkTargets& targets_;
   const HandSurface& surface_;
   const SkeletonFitOptions& options_;
-  HandAngles rest_ = resting_hand();
+  const PosturePrior& postures_ = sampled_postures();
   double palm_mm_;  // from the wrist to the middle MCP
 };
 

@@ -33,7 +33,7 @@ void check_arguments(const LandmarkTargets& targets, const HandSurface& surface,
       fail("skeleton fit: {} is {}, expected above 0", name, value);
   };
   check_above_0(options.noise_mm, "noise_mm");
-  check_above_0(options.posture_rad, "posture_rad");
+  check_above_0(options.posture_spread, "posture_spread");
   check_above_0(options.expected_rad, "expected_rad");
   check_above_0(options.surface_mm, "surface_mm");
   check_above_0(options.size, "size");

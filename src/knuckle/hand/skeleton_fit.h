@@ -38,7 +38,7 @@ using LandmarkTargets = std::array<LandmarkTarget, kSupersetSize>;
 /// lengths those of their logarithms.
 struct SkeletonFitOptions {
   double noise_mm = 4.0;                    ///< of a target of weight 1, (0, inf) [mm]
-  double posture_rad = 0.8;                 ///< of an angle around the hand at rest, (0, inf) [rad]
+  double posture_spread = 1.0;              ///< factor on the deviations of PosturePrior, (0, inf)
   std::optional<HandAngles> expected = {};  ///< angles, where a moment before says what they should be
   double expected_rad = 0.2;                ///< of an angle around what is expected, (0, inf) [rad]
   double size = 1.0;                        ///< mean of SkeletonPose::size, (0, inf)

@@ -37,7 +37,7 @@ SkeletonPose some_pose(Random& random, double size = 1.0) {
 
 /// Deviations with which the landmarks alone decide.
 constexpr SkeletonFitOptions kExact{
-    .noise_mm = 0.01, .posture_rad = 5.0, .size_spread = 0.2, .most_steps = 200};
+    .noise_mm = 0.01, .posture_spread = 25.0, .size_spread = 0.2, .most_steps = 200};
 
 TEST(SkeletonFit, LandmarksAreThoseOfTheScaledSkeleton) {
   Random random(1);
@@ -188,7 +188,7 @@ TEST(SkeletonFit, ThreeTargetsAreNeededAndOptionsChecked) {
     return testing::error_of([&] { fit_skeleton(adult_skeleton(), targets, options); });
   };
   EXPECT_THAT(fault({.noise_mm = 0.0}), ::testing::HasSubstr("noise_mm is 0"));
-  EXPECT_THAT(fault({.posture_rad = kNaN}), ::testing::HasSubstr("posture_rad"));
+  EXPECT_THAT(fault({.posture_spread = kNaN}), ::testing::HasSubstr("posture_spread"));
   EXPECT_THAT(fault({.size_spread = -1.0}), ::testing::HasSubstr("size_spread is -1"));
   EXPECT_THAT(fault({.most_steps = 0}), ::testing::HasSubstr("most_steps is 0"));
   targets[0].weight = -1.0;

@@ -10,7 +10,7 @@ namespace knuckle {
 
 void InverseKinematicsOptions::visit(OptionVisitor& visitor) {
   visitor.real("noise_mm", noise_mm, open_closed(0, 1000));
-  visitor.real("posture_rad", posture_rad, open_closed(0, 100));
+  visitor.real("posture_spread", posture_spread, open_closed(0, 100));
   visitor.real("size_spread", size_spread, closed(0, 1));
   visitor.flag("fill", fill);
 }
@@ -21,7 +21,7 @@ InverseKinematics::InverseKinematics(const InverseKinematicsOptions& options) : 
 
 RefinedHand InverseKinematics::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
   const SkeletonFitOptions options{.noise_mm = options_.noise_mm,
-                                   .posture_rad = options_.posture_rad,
+                                   .posture_spread = options_.posture_spread,
                                    .size_spread = options_.size_spread,
                                    .length_spread = 0.0};
   const auto fit = fit_skeleton(adult_skeleton(), targets_of(pose, frame.camera), options);

@@ -9,10 +9,10 @@ namespace knuckle {
 
 /// Options of `InverseKinematics`; the defaults are those of SkeletonFitOptions.
 struct InverseKinematicsOptions {
-  double noise_mm = 4.0;      ///< deviation of a joint of confidence 1, (0, 1000] [mm]
-  double posture_rad = 0.8;   ///< deviation of an angle from that of a hand at rest, (0, 100] [rad]
-  double size_spread = 0.12;  ///< of the hand's size around an adult's, [0, 1]; 0: an adult's
-  bool fill = true;           ///< joints that were not found come from the skeleton
+  double noise_mm = 4.0;        ///< deviation of a joint of confidence 1, (0, 1000] [mm]
+  double posture_spread = 1.0;  ///< factor on how much the angles differ between postures, (0, 100]
+  double size_spread = 0.12;    ///< of the hand's size around an adult's, [0, 1]; 0: an adult's
+  bool fill = true;             ///< joints that were not found come from the skeleton
 
   void visit(OptionVisitor& visitor);
 };

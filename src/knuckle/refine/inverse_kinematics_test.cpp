@@ -13,8 +13,10 @@ constexpr Camera kCamera{.width = 320, .height = 240, .fx = 224, .fy = 230, .cx 
 /// A hand that is a little closed, 500 mm before the camera.
 std::array<Point3, kSupersetSize> points_of_hand() {
   SkeletonPose pose;
+  for (int finger = 0; finger < 4; ++finger) pose.angles[angles_of_finger(finger).mcp] = 0.4;
   for (int finger = 0; finger < 4; ++finger) pose.angles[angles_of_finger(finger).pip] = 0.7 - 0.1 * finger;
   for (int finger = 0; finger < 4; ++finger) pose.angles[angles_of_finger(finger).dip] = 0.45 - 0.07 * finger;
+  pose.angles[HandAngle::thumb_radial] = 0.4;
   pose.angles[HandAngle::thumb_palmar] = 0.6;
   pose.camera_from_hand.translation() = Point3(20, 60, 500);
   return landmarks(adult_skeleton(), pose);
