@@ -35,6 +35,8 @@ struct LabellingOptions {
   std::int64_t first = 0;
   std::int64_t count = 60;
   int most_corrections = 4;
+  /// Corrections per frame on average; frames that are left over keep what follows from the others.
+  double budget = 100.0;
   double click_mm = 2.0;   ///< deviation of a click, both ways across the screen
   double least_mm = 4.0;   ///< what is nearer is left as it is
   double enough_mm = 0.0;  ///< stops at a frame whose worst landmark that is seen is nearer than that
@@ -94,7 +96,8 @@ class Annotator {
  private:
   void work_as_proposed() {
     std::int64_t last = 0;
-    for (std::int64_t done = 0; done < source_.size(); ++done) {
+    const double most = options_.budget * static_cast<double>(source_.size());
+    for (std::int64_t done = 0; done < source_.size() && corrections_ < most; ++done) {
       const auto next = session_.proposed(last);
       if (!next) return;
       last = *next;
@@ -254,7 +257,7 @@ double percentile(std::vector<double> values, double share) {
 
 void Annotator::print() const {
   fmt::print("{} frames, {:.2f} corrections per frame; a fit takes {:.1f} ms, 95th percentile {:.1f} ms\n",
-             frames_, static_cast<double>(corrections_) / static_cast<double>(frames_),
+             frames_, static_cast<double>(corrections_) / static_cast<double>(source_.size()),
              percentile(fits_ms_, 0.5), percentile(fits_ms_, 0.95));
   for (std::size_t i = 0; i < errors_.size(); ++i) {
     const Errors& errors = errors_[i];
@@ -362,6 +365,8 @@ int main(int argc, char** argv) {
   app.add_option("--first", options.first, "first frame")->check(CLI::NonNegativeNumber);
   app.add_option("--count", options.count, "frames")->check(CLI::PositiveNumber);
   app.add_option("--corrections", options.most_corrections, "most per frame")->check(CLI::Range(0, 100));
+  app.add_option("--budget", options.budget, "most per frame on average, spent where the program proposes it")
+      ->check(CLI::PositiveNumber);
   app.add_option("--click", options.click_mm, "deviation of a click [mm]")->check(CLI::Range(0.0, 100.0));
   app.add_option("--least", options.least_mm, "what is nearer is left [mm]")->check(CLI::Range(0.0, 100.0));
   app.add_option("--enough", options.enough_mm, "a frame whose worst landmark is nearer is left [mm]")

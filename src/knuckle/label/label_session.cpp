@@ -100,12 +100,16 @@ std::size_t LabelSession::waiting() const {
 
 // --- what can wait ---
 
-bool LabelSession::work() {
+bool LabelSession::follow() {
   {
     const std::lock_guard lock(mutex_);
     if (journal_.waiting() > 0) journal_.flush();
   }
-  return propagate_one() || recall_one() || estimate_one();
+  return propagate_one();
+}
+
+bool LabelSession::prepare() {
+  return recall_one() || estimate_one();
 }
 
 void LabelSession::estimate(std::int64_t index, const Frame& frame) {

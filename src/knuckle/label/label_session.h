@@ -62,7 +62,7 @@ struct LabelSessionOptions {
 
 /// Labelling of one source by one author: frames at random access, changes with the hand model's help, labels
 /// that follow from verified neighbours, what to look at next. All that changes goes through the journal.
-/// Safe to call from many threads; `work` is meant for one that has time.
+/// Safe to call from many threads; `follow`, `prepare` and `work` are meant for one that has time.
 class LabelSession {
  public:
   /// The source and the journal have to live as long.
@@ -88,10 +88,14 @@ class LabelSession {
   /// Hands that were verified, and the seconds that persons worked on them, one per hand.
   std::vector<double> seconds_of_verified() const;
 
-  /// Does a piece of what can wait: lets a frame follow its verified neighbours, fits the hand model to a
-  /// hand of an earlier session, estimates a frame, writes what waits for the disk. Whether there was
-  /// anything to do. Changed frames are told to `changed`.
-  bool work();
+  /// Does a piece of what follows from changes: writes what waits for the disk, or lets a frame follow its
+  /// verified neighbours. Whether a frame was there to follow. Changed frames are told to `changed`.
+  bool follow();
+  /// Does a piece of what nobody has asked for yet: fits the hand model to a hand of an earlier session, or
+  /// estimates a frame. Whether there was anything to do. Changed frames are told to `changed`.
+  bool prepare();
+  /// Does a piece of any of it. Whether there was anything to do.
+  bool work() { return follow() || prepare(); }
   /// Called after each change, and once it is known how doubtful a hand of an earlier session is, by the
   /// thread that made it, which holds the session: it may not ask it.
   std::function<void(HandKey, std::int64_t)> changed;

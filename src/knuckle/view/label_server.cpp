@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 256;  // requests
 constexpr std::chrono::milliseconds kRest{200};
+/// That a page which opens has the processor to itself, as far as that is ours: it draws for the first time.
+constexpr std::chrono::milliseconds kOpening{2000};
 constexpr int kBadRequest = 400;
 constexpr int kNotFound = 404;
 constexpr int kNotAllowed = 405;
@@ -88,6 +90,7 @@ class LabelServer::Impl {
         return true;
       }
       jobs_.emplace_back(request, reply);
+      if (request.path == "/api/info") opened_ = std::chrono::steady_clock::now();
     }
     wake_.notify_all();
     return true;
@@ -169,8 +172,13 @@ class LabelServer::Impl {
         while (is_busy_ && !is_ending_) wake_.wait_for(lock, std::chrono::milliseconds(5));
         if (is_ending_) return;
       }
-      is_idle_ = !session_.work();
+      is_idle_ = !session_.follow() && (is_opening() || !session_.prepare());
     }
+  }
+
+  bool is_opening() {
+    const std::lock_guard lock(mutex_);
+    return opened_ && std::chrono::steady_clock::now() - *opened_ < kOpening;
   }
 
   LabelInfo info_;
@@ -178,6 +186,7 @@ class LabelServer::Impl {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;
+  std::optional<std::chrono::steady_clock::time_point> opened_;  ///< when a page last was
   bool is_ending_ = false;
   bool is_busy_ = false;  ///< a request is being answered
   bool is_idle_ = false;  ///< of the working thread: there was nothing to do
