@@ -20,7 +20,10 @@ constexpr double kFastestTurnRadPerSecond = 25.0;  // a wrist's, and more than t
 constexpr double kLargestTurnRad = 1.5;            // within the time of a doubt
 constexpr double kLongestDoubtSeconds = 0.3;       // an estimate that says the same for longer is believed
 constexpr double kWorseGapMm = 1.0;                // by which the skin may lie worse where a hand is held
-constexpr double kElsewhereMm = 75.0;   // a hand that is held is no farther from what was estimated
+constexpr double kElsewhereMm = 75.0;  // a hand that is held is no farther from what was estimated
+/// What postures are likely says little of how one changes; said in full in each frame it would be said over
+/// and over.
+constexpr double kPostureSpread = 4.0;
 constexpr double kStandstillMm = 12.0;  // deviation of a landmark from where it was a frame before
 
 /// Fitted from `start` on, and from a fresh one where that ends poorly.
@@ -48,6 +51,7 @@ RightHandSight sight_of(const Frame& frame, const LandmarkTargets& targets, Hand
 SkeletonFitOptions options_after(const HandTrack& track, double now_s) {
   SkeletonFitOptions options;
   if (!track.pose) return options;
+  options.posture_spread = kPostureSpread;
   options.expected = track.pose->angles;
   options.expected_rad = kFingerRadPerSecond * (now_s - track.seen_s);
   return options;
