@@ -23,7 +23,7 @@ constexpr double kWorseGapMm = 1.0;                // by which the skin may lie 
 constexpr double kElsewhereMm = 75.0;  // a hand that is held is no farther from what was estimated
 /// What postures are likely says little of how one changes; said in full in each frame it would be said over
 /// and over.
-constexpr double kPostureSpread = 4.0;
+constexpr double kPostureSpread = 2.0;
 constexpr double kStandstillMm = 12.0;  // deviation of a landmark from where it was a frame before
 
 /// Fitted from `start` on, and from a fresh one where that ends poorly.
