@@ -163,6 +163,23 @@ TEST(SkeletonFit, LandmarksThatWereNotFoundComeFromTheRest) {
   }
 }
 
+TEST(SkeletonFit, AHiddenFingerBendsAsItsNeighboursDo) {
+  const auto bend_of_ring = [](double bend) {
+    SkeletonPose truth{resting_hand(), RigidTransform(Eigen::Translation3d(0, 0, 600)), 1.0};
+    for (int finger = 0; finger < 4; ++finger) {
+      const FingerAngleNames names = angles_of_finger(finger);
+      truth.angles[names.mcp] = truth.angles[names.pip] = bend;
+      truth.angles[names.dip] = coupled_dip(bend);
+    }
+    LandmarkTargets targets = targets_at(landmarks(adult_skeleton(), truth));
+    for (const Landmark hidden : {Landmark::ring_pip, Landmark::ring_dip, Landmark::ring_tip})
+      targets[static_cast<std::size_t>(hidden)].weight = 0.0;
+    return fit_skeleton(adult_skeleton(), targets)->pose.angles[HandAngle::ring_pip];
+  };
+  EXPECT_NEAR(bend_of_ring(0.1), 0.1, 0.3);
+  EXPECT_NEAR(bend_of_ring(1.4), 1.4, 0.3);
+}
+
 TEST(SkeletonFit, ALeftSkeletonFitsTheMirrorImage) {
   Random random(7);
   const HandSkeleton left = mirrored(adult_skeleton());
