@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # Frames of each manifest, 7 apart, so that one person's or place's do not crowd out the others.
 FRAMES = {"train_network": 2500, "train_scenes": 1000, "train_held": 700, "train_relaxed": 700}
 STRIDE, FIRST = 7, 3
-TRUTH_WEIGHT = 400.0  # a deviation of 0.2 mm: the landmarks decide, but for what they do not show
+TRUTH_WEIGHT = 400.0  # a deviation of 0.2 mm: the landmarks decide; what they do not show is as the table says that is there
 MOST_RMS_MM = 3.0  # a fit that is worse is of another hand than an adult's
 # What a person's own joints differ from the sampler's [rad]: widens the distribution where the sampler never moves.
 LEAST_SPREAD_RAD = 0.05
@@ -64,6 +64,7 @@ namespace knuckle {{
 // clang-format off
 /// Mean angles [rad], in the order of HandAngle.
 inline constexpr std::array<double, kHandAngleCount> kMeanPosture = {{{numbers(mean)}}};
+/// The lower triangle of the inverse of their covariance [1/rad^2].
 inline constexpr std::array<std::array<double, kHandAngleCount>, kHandAngleCount> kPosturePrecision = {{{{
 {rows}}}}};
 // clang-format on

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/hand/posture_prior.h"
 
-#include <algorithm>
-
 #include "knuckle/hand/posture_table.h"
 
 namespace knuckle {
