@@ -365,14 +365,16 @@ int main(int argc, char** argv) {
   app.add_option("--first", options.first, "first frame")->check(CLI::NonNegativeNumber);
   app.add_option("--count", options.count, "frames")->check(CLI::PositiveNumber);
   app.add_option("--corrections", options.most_corrections, "most per frame")->check(CLI::Range(0, 100));
-  app.add_option("--budget", options.budget, "most per frame on average, spent where the program proposes it")
-      ->check(CLI::PositiveNumber);
   app.add_option("--click", options.click_mm, "deviation of a click [mm]")->check(CLI::Range(0.0, 100.0));
   app.add_option("--least", options.least_mm, "what is nearer is left [mm]")->check(CLI::Range(0.0, 100.0));
   app.add_option("--enough", options.enough_mm, "a frame whose worst landmark is nearer is left [mm]")
       ->check(CLI::Range(0.0, 100.0));
   app.add_flag("--raw", options.is_raw, "without the hand model");
-  app.add_flag("--verify", options.verifies, "verify each frame; the program proposes the next");
+  CLI::Option* const verify =
+      app.add_flag("--verify", options.verifies, "verify each frame; the program proposes the next");
+  app.add_option("--budget", options.budget, "most per frame on average, spent where the program proposes it")
+      ->check(CLI::PositiveNumber)
+      ->needs(verify);
   app.add_option("--guess", options.guess_mm, "place hidden landmarks, too, with this deviation [mm]")
       ->check(CLI::Range(0.0, 100.0));
   app.add_flag("--turns", options.turns, "also move landmarks in the points, turned");
