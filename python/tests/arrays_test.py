@@ -65,6 +65,7 @@ class Arrays(unittest.TestCase):
             depth = self.depth.copy()
             depth[depth == 0] = nothing
             self.assertEqual(self.poses(depth), self.expected, nothing)
+            np.testing.assert_array_equal(knuckle.Frame(depth, self.camera).depth_mm, self.depth)
         huge = np.where(self.depth > 0, self.depth, 1e300)  # beyond what float32 holds
         self.assertEqual(self.poses(huge), self.expected)
 
