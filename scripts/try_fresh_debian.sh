@@ -34,6 +34,11 @@ mountpoint -q "$root/dev/shm" || mount -t tmpfs tmpfs "$root/dev/shm"
 for file in etc/resolv.conf etc/npmrc root/.npmrc; do
   if [ -r "/$file" ]; then cp "/$file" "$root/$file"; fi
 done
+# Whom it trusts beyond Debian's list, such as a proxy between.
+if [ -d /usr/local/share/ca-certificates ]; then
+  cp -r /usr/local/share/ca-certificates "$root/usr/local/share/"
+  chroot "$root" update-ca-certificates
+fi
 
 rm -rf "$root/root/knuckle" "$root/root/environment"
 git clone --quiet . "$root/root/knuckle"

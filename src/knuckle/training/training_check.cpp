@@ -152,7 +152,7 @@ class CheckText {
   void add_set(std::size_t i) {
     const TrainingSource& source = config_.sources[i];
     const double share = SampleDealer(weights_).share(i);
-    add("set {}: {}: {} frames, weight {}, {:.1f}% of the samples: each is seen about {:.3g} times\n", i + 1,
+    add("set {}: {}: {} frames, weight {}, {:.1f}% of the samples: each is seen about {:.1f} times\n", i + 1,
         source.source, frames_[i], source.weight, 100.0 * share,
         samples_in_all() * share / static_cast<double>(frames_[i]));
     add_looked_at(samples_.sets[i].hands);
