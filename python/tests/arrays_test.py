@@ -75,8 +75,8 @@ class Arrays(unittest.TestCase):
             nearer = np.where(whole_mm > 0, whole_mm, 200).astype(kind)  # would be the hand, as the nearest
             masked = np.ma.masked_array(nearer, whole_mm == 0)
             self.assertEqual(self.poses(masked), self.poses(whole_mm), kind)
-            self.assertEqual(knuckle.Frame(masked, self.camera).depth_mm.tolist(), np.rint(self.depth).tolist())
-            self.assertEqual(masked.data.tolist(), nearer.tolist())  # nothing was written
+            np.testing.assert_array_equal(knuckle.Frame(masked, self.camera).depth_mm, np.rint(self.depth))
+            np.testing.assert_array_equal(masked.data, nearer)  # nothing was written
         self.assertEqual(self.poses(np.ma.masked_array(self.depth)), self.expected)
         start = np.ma.masked_array([0, 0, 500], [False, True, False])
         self.assert_refused(knuckle.Error, "start", self.depth, start=start)
