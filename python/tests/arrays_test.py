@@ -81,6 +81,16 @@ class Arrays(unittest.TestCase):
         start = np.ma.masked_array([0, 0, 500], [False, True, False])
         self.assert_refused(knuckle.Error, "start", self.depth, start=start)
 
+    def test_depths_of_any_size_make_no_pose_that_is_not_finite(self):
+        random = np.random.default_rng(5)
+        bits = random.integers(0, 2**32, self.depth.shape, dtype=np.uint32).view(np.float32)
+        sizes = np.exp(random.uniform(-80, 80, self.depth.shape)).astype(np.float32)
+        salted = np.where(random.random(self.depth.shape) < 0.3, np.float32(1e-30), self.depth)
+        for depth in (bits, sizes, salted, self.depth * np.float32(1e-3), self.depth * np.float32(1e3)):
+            for start in (None, (0.0, 0.0, 1e-30), (1e30, 0.0, 500.0)):
+                for hand in self.pipeline.estimate(depth, self.camera, start=start).hands:
+                    self.assertTrue(np.isfinite(hand.landmarks_mm).all())
+
     def test_an_image_of_nan_has_no_hand_and_says_why(self):
         estimate = self.pipeline.estimate(np.full_like(self.depth, np.nan), self.camera)
         self.assertEqual(estimate.hands, [])
