@@ -430,6 +430,11 @@ TEST_F(VerbsTest, PosesInSpaceAreScoredAndMixedUpOnesAreNoticed) {
   EXPECT_THAT(mixed_up.error, HasSubstr("space.txt: read so, half of its joints are more than"));
   EXPECT_THAT(mixed_up.error, HasSubstr("with --format xyz --axes x,-y,-z --unit m more than"));
   EXPECT_THAT(mixed_up.error, Not(HasSubstr("poses.txt")));
+  const ProgramRun behind =
+      run_program({"evaluate", "--truth", source, "--predictions", "space=" + path("space.txt"),
+                   "--convention", "knuckle22", "--format", "xyz"});
+  EXPECT_THAT(behind, Succeeded());
+  EXPECT_THAT(behind.error, HasSubstr("half of its joints are behind the camera; with --format xyz --axes"));
   write_text_file(path("space.txt"), "# format: xyz\n# axes: x,-y,-z\n# unit: m\n" + in_metres);
   const ProgramRun right = run_program(arguments);
   EXPECT_THAT(right, Succeeded());
@@ -439,6 +444,21 @@ TEST_F(VerbsTest, PosesInSpaceAreScoredAndMixedUpOnesAreNoticed) {
   EXPECT_NEAR(scores["differences"][0]["mean_mm"], 0.0, 0.01);
   arguments.insert(arguments.end(), {"--axes", "x,-y,-z"});
   EXPECT_THAT(run_program(arguments), FailedWith("--axes: tells of x y z"));
+}
+
+TEST_F(VerbsTest, AMethodThatFoundNothingHasAReport) {
+  std::string nothing = "# convention: hands21\n";
+  for (int i = 0; i < 3; ++i) {
+    for (int number = 0; number < 63; ++number) nothing += "nan ";
+    nothing += "\n";
+  }
+  write_text_file(path("nothing.txt"), nothing);
+  const ProgramRun run =
+      run_program({"evaluate", "--truth", "synthetic:manifests/demo.toml?count=3", "--predictions",
+                   "nothing=" + path("nothing.txt"), "--out", path("report")});
+  EXPECT_THAT(run, Succeeded());
+  EXPECT_EQ(run.error, "");
+  EXPECT_THAT(read_text_file(path("report/report.html")), HasSubstr("nothing"));
 }
 
 TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {

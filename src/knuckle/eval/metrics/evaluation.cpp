@@ -171,10 +171,12 @@ std::vector<Predictions> predictions_from_files(std::span<const NamedPath> files
   });
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (!likely[i]) continue;
-    remarks.push_back(fmt::format(
-        "{}: read so, half of its joints are more than {:.0f} mm off; with {} more than {:.1f} mm",
-        files[i].path.string(), likely[i]->median_as_read_mm, as_options(likely[i]->coordinates),
-        likely[i]->median_mm));
+    const double as_read_mm = likely[i]->median_as_read_mm;
+    const std::string off =
+        std::isfinite(as_read_mm) ? fmt::format("more than {:.0f} mm off", as_read_mm) : "behind the camera";
+    remarks.push_back(fmt::format("{}: read so, half of its joints are {}; with {} more than {:.1f} mm off",
+                                  files[i].path.string(), off, as_options(likely[i]->coordinates),
+                                  likely[i]->median_mm));
   }
   return methods;
 }

@@ -126,6 +126,17 @@ void add_frame(Script& script, const Figure& figure) {
       kLegendMargin / height, legend_layout(figure).columns);
 }
 
+bool has_values(const Figure& figure) {
+  return std::ranges::any_of(figure.series, [](const Series& series) {
+    return std::ranges::any_of(series.values, [](double value) { return std::isfinite(value); });
+  });
+}
+
+/// gnuplot refuses to find the end where no value is known, as of a method that found no hand.
+void add_free_y_range(Script& script, const Figure& figure) {
+  add(script, "set yrange [0:{}]", has_values(figure) ? "*" : "1");
+}
+
 void add_curves(Script& script, const Figure& figure) {
   add(script, "set grid xtics");
   add(script, "set xrange [{:.6g}:{:.6g}]", figure.x.front(), figure.x.back());
@@ -133,7 +144,7 @@ void add_curves(Script& script, const Figure& figure) {
     add(script, "set yrange [0:{:.6g}]", *figure.y_end);
     add(script, "set ytics {:.6g}", *figure.y_end / kStepsOfY);
   } else {
-    add(script, "set yrange [0:*]");
+    add_free_y_range(script, figure);
   }
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
     add(script, "{} $data using 1:{} with lines linewidth 2.2 dashtype {} linecolor rgb '{}' title {}{}",
@@ -150,7 +161,7 @@ void add_bars(Script& script, const Figure& figure) {
   add(script, "set style data histograms");
   add(script, "set style histogram clustered gap 1");
   add(script, "set boxwidth 0.9 relative");
-  add(script, "set yrange [0:*]");
+  add_free_y_range(script, figure);
   add(script, "set xrange [-0.6:{:.1f}]", static_cast<double>(figure.categories.size()) - 0.4);
   add(script, "set xtics ({}) rotate by 45 right scale 0", tics);
   for (std::size_t i = 0; i < figure.series.size(); ++i) {

@@ -125,6 +125,26 @@ TEST(Figures, DrawABarGroupEachCategory) {
   for (const char* text : {"it's", "index_tip", "mean"}) EXPECT_THAT(svg, HasSubstr(text));
 }
 
+TEST(Figures, WithoutAKnownValueAreEmpty) {
+  const TemporaryFolder folder;
+  Figure bars = small_figure({"no hand", "none either"});
+  bars.kind = FigureKind::bars;
+  bars.categories = {"wrist", "palm", "mean"};
+  for (Series& series : bars.series) series.values = {kNaN, kNaN, kNaN};
+  Figure curves = bars;
+  curves.kind = FigureKind::curves;
+  curves.name = "curves";
+  Figure free = curves;
+  free.name = "free";
+  free.y_end = std::nullopt;
+  write_figures(std::vector{bars, curves, free}, folder.path());
+  for (const char* name : {"small.svg", "curves.svg", "free.svg"}) {
+    const std::string svg = read_text_file(folder / name);
+    EXPECT_TRUE(is_well_formed_xml(svg)) << name;
+    EXPECT_THAT(svg, HasSubstr("A title")) << name;
+  }
+}
+
 TEST(Figures, WithoutGnuplotOneLineSaysSo) {
   const TemporaryFolder folder;
   const ChangedVariable path("PATH", folder.path().string());
