@@ -53,6 +53,6 @@ chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LAN
   cmake --preset program --log-level=WARNING
   cmake --build --preset program
   for test in notebooks same_as_program arrays estimators; do
-    KNUCKLE_PROGRAM=build/release/bin/knuckle /root/environment/bin/python "python/tests/${test}_test.py"
+    KNUCKLE_PROGRAM="$PWD/build/release/bin/knuckle" /root/environment/bin/python "python/tests/${test}_test.py"
   done'
 echo "$suite: installed by pip in a fresh Debian, and its tests pass"
