@@ -9,27 +9,22 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# = 2 ] || { echo "usage: scripts/try_fresh_debian.sh SUITE FOLDER" >&2; exit 2; }
+# What is mounted below is seen by this script alone, and goes with it however it ends.
+[ -n "${KNUCKLE_OWN_MOUNTS:-}" ] || exec env KNUCKLE_OWN_MOUNTS=1 unshare --mount scripts/try_fresh_debian.sh "$@"
 suite=$1
 mkdir -p "$2"
 root=$(cd "$2" && pwd)/$suite
 
 if [ ! -e "$root/.whole" ]; then
-  rm -rf "$root"
+  rm -rf --one-file-system "$root"
   debootstrap --variant=minbase --include=ca-certificates,git "$suite" "$root"
   touch "$root/.whole"
 fi
 
-undo() {
-  for place in dev/shm dev proc; do
-    if mountpoint -q "$root/$place"; then umount "$root/$place"; fi
-  done
-}
-trap undo EXIT
+# debootstrap has made the few devices that are needed; this machine's own /dev stays out of reach.
 mount -t proc proc "$root/proc"
-mount --bind /dev "$root/dev"
-mount --make-private "$root/dev"
 mkdir -p "$root/dev/shm"
-mountpoint -q "$root/dev/shm" || mount -t tmpfs tmpfs "$root/dev/shm"
+mount -t tmpfs tmpfs "$root/dev/shm"
 # How this machine reaches the network, and where it fetches packages.
 for file in etc/resolv.conf etc/npmrc root/.npmrc; do
   if [ -r "/$file" ]; then cp "/$file" "$root/$file"; fi
