@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kDoc = R"(Intrinsics of a depth camera; cannot be changed once made.
 
-fx, fy: focal lengths [px] (orthographic: [px/mm]), not 0; fy is negative where y points up.
+fx, fy: focal lengths [px] (orthographic: [px/mm]), 1e-6 to 1e9 in size; fy is negative where y points up.
 cx, cy: principal point [px]; the centre of the first pixel is (0, 0).
 width, height: of the image [px], 1 to 16384.
 distortion: up to 8 coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6.

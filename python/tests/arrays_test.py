@@ -151,8 +151,8 @@ class Arrays(unittest.TestCase):
 
     def test_impossible_cameras_are_refused(self):
         good = dict(fx=224.0, fy=224.0, cx=159.5, cy=119.5, width=320, height=240)
-        for name, value in (("fx", 0.0), ("fy", np.nan), ("cx", np.inf), ("width", 0), ("height", -1), ("width", 20000),
-                            ("model", "fisheye"), ("distortion", [0.0] * 9), ("distortion", [np.nan])):
+        for name, value in (("fx", 0.0), ("fx", 1e-320), ("fy", np.nan), ("cx", np.inf), ("width", 0), ("height", -1),
+                            ("width", 20000), ("model", "fisheye"), ("distortion", [0.0] * 9), ("distortion", [np.nan])):
             with self.assertRaisesRegex(knuckle.Error, f"camera: .*({name}|pixels)"):
                 knuckle.Camera(**{**good, name: value})
         for name, value in (("width", 320.5), ("width", 10**30), ("fx", "224"), ("distortion", "none")):

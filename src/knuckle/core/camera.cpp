@@ -9,6 +9,17 @@
 #include "knuckle/core/limits.h"
 
 namespace knuckle {
+namespace {
+
+/// Beyond these bounds points that a pixel stands for are no finite numbers.
+void check_focal_length(double value, const char* name) {
+  constexpr double kLeast = 1e-6;
+  constexpr double kMost = 1e9;
+  if (!(std::abs(value) >= kLeast && std::abs(value) <= kMost))
+    fail("camera: {} is {}, expected a size from {:g} to {:g}", name, value, kLeast, kMost);
+}
+
+}  // namespace
 
 bool Camera::is_distorted() const {
   return std::ranges::any_of(distortion, [](double coefficient) { return coefficient != 0.0; });
@@ -22,10 +33,8 @@ void check(const Camera& camera) {
          limits::kImageSide);
   }
   require_image_size({camera.width, camera.height}, "camera");
-  if (!std::isfinite(camera.fx) || camera.fx == 0.0)
-    fail("camera: fx is {}, expected a number but 0", camera.fx);
-  if (!std::isfinite(camera.fy) || camera.fy == 0.0)
-    fail("camera: fy is {}, expected a number but 0", camera.fy);
+  check_focal_length(camera.fx, "fx");
+  check_focal_length(camera.fy, "fy");
   if (!std::isfinite(camera.cx)) fail("camera: cx is {}, expected a number", camera.cx);
   if (!std::isfinite(camera.cy)) fail("camera: cy is {}, expected a number", camera.cy);
   for (const double coefficient : camera.distortion) {

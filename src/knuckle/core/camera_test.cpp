@@ -50,6 +50,13 @@ TEST(CameraTest, ImpossibleValuesAreNamed) {
   EXPECT_THAT(fault([](Camera& c) { c.fy = kNaN; }), HasSubstr("fy is nan"));
   EXPECT_THAT(fault([](Camera& c) { c.fy = 0.0; }), HasSubstr("fy is 0"));
   EXPECT_THAT(fault([](Camera& c) { c.fx = INFINITY; }), HasSubstr("fx is inf"));
+  EXPECT_THAT(fault([](Camera& c) { c.fx = 1e-7; }),
+              HasSubstr("fx is 1e-07, expected a size from 1e-06 to 1e+09"));
+  EXPECT_THAT(fault([](Camera& c) { c.fy = -1e10; }), HasSubstr("fy is -10000000000"));
+  Camera extreme = example_camera();
+  extreme.fx = 1e-6;
+  extreme.fy = -1e9;
+  EXPECT_NO_THROW(check(extreme));
   EXPECT_THAT(fault([](Camera& c) { c.cx = kNaN; }), HasSubstr("cx is nan"));
   EXPECT_THAT(fault([](Camera& c) { c.cy = -INFINITY; }), HasSubstr("cy is -inf"));
   EXPECT_THAT(fault([](Camera& c) { c.distortion[2] = kNaN; }), HasSubstr("distortion"));
