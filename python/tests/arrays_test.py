@@ -66,7 +66,7 @@ class Arrays(unittest.TestCase):
             depth[depth == 0] = nothing
             self.assertEqual(self.poses(depth), self.expected, nothing)
             np.testing.assert_array_equal(knuckle.Frame(depth, self.camera).depth_mm, self.depth)
-        huge = np.where(self.depth > 0, self.depth, 1e300)  # beyond what float32 holds
+        huge = np.where(self.depth > 0, self.depth, np.float64(1e300))  # beyond what float32 holds
         self.assertEqual(self.poses(huge), self.expected)
 
     def test_what_is_masked_is_not_measured(self):
