@@ -16,6 +16,8 @@ namespace {
 
 /// Quarter turns of the views after the first: upside down first, where most is to be gained.
 constexpr std::array<int, 3> kTurns = {2, 1, 3};
+/// What is a hand with a lower likelihood is none from any side.
+constexpr double kNoHand = 0.05;
 
 double mean_confidence(const PatchPose& pose) {
   double sum = 0.0;
@@ -74,6 +76,7 @@ PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
     pose.seen_by = i;
     consider(std::move(pose), choice);
   }
+  if (choice.pose.hand.value_or(1.0) < kNoHand) return std::move(choice.pose);
   for (const int quarters : std::span(kTurns).first(static_cast<std::size_t>(options_.views - 1))) {
     if (choice.confidence >= options_.enough) break;
     PatchPose pose =

@@ -31,8 +31,9 @@ struct SurestEstimatorOptions {
 /// The first, which is asked always, may know free hands very well; where it is not sure, the next is asked,
 /// which knows hands among things, and the pose with the highest mean confidence counts. Where none is sure,
 /// the last may be shown the patch turned in its plane (`views`): what it has learned of hands that point up
-/// helps with those that point down. The errors of a network depend on how the hand lies in the patch, so the
-/// mean of two looks is nearer to the truth than either (`second_look_deg`).
+/// helps with those that point down; what is surely no hand is not turned. The errors of a network depend on
+/// how the hand lies in the patch, so the mean of two looks is nearer to the truth than either
+/// (`second_look_deg`).
 class SurestEstimator final : public Estimator {
  public:
   /// Throws an Error where there are fewer than two estimators, they differ in patches or convention, or one

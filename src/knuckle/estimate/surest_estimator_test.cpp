@@ -178,6 +178,19 @@ TEST(SurestEstimator, WhereNothingIsSureThePatchIsTurned) {
   }
 }
 
+TEST(SurestEstimator, WhatIsSurelyNoHandIsNotTurned) {
+  const auto looks = [](double right_hand) {
+    int asked = 0;
+    std::vector<std::unique_ptr<Estimator>> estimators;
+    estimators.push_back(std::make_unique<KnownPose>(1.0, 0.4f, std::nullopt));
+    estimators.push_back(std::make_unique<KnownPose>(2.0, 0.3f, right_hand, &asked));
+    SurestEstimator(std::move(estimators), {.views = 4}).estimate({Image<float>(12, 12), {}, {}});
+    return asked;
+  };
+  EXPECT_EQ(looks(0.08), 1);  // a hand with a likelihood of 0.04
+  EXPECT_EQ(looks(0.12), 4);
+}
+
 /// Finds the brightest pixel of what it is shown and says that all joints are there; how sure it is, and of
 /// which side, depends on the half of the image, upper or lower, in which that pixel lies.
 class FindsBrightest final : public Estimator {

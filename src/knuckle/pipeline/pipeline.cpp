@@ -89,6 +89,8 @@ constexpr double kKnownHandMm = 80.0;
 /// A patch whose centre is nearer to the middle of the joints found in it is not cut again: another look
 /// would see the same.
 constexpr double kSettledMm = 10.0;
+/// Of `sure_confidence`: what a search found and what scores less at first sight is no hand at second sight.
+constexpr double kHopeless = 0.3;
 
 bool is_near_one_of(const std::vector<Point3>& places, const Point3& centre, double near_mm = kSamePlaceMm) {
   return std::ranges::any_of(places, [&](const Point3& place) { return (place - centre).norm() < near_mm; });
@@ -206,7 +208,7 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
     Segmentation found =
         timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, 1); });
     result.status = std::move(found.reason);
-    add_hands(frame, std::move(found.hands), search.side, result);
+    add_hands(frame, std::move(found.hands), {.side = search.side}, result);
     if (!result.hands.empty()) look_at_start(frame, search, result.hands.front(), result.times);
   }
   const std::size_t at_start = result.hands.size();
@@ -234,10 +236,10 @@ bool Pipeline::is_sure(double score) const {
   return score >= finder_.hand().sure_confidence;
 }
 
-void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
+void Pipeline::add_hands(const Frame& frame, std::vector<HandRegion> regions, const Look& look,
                          FrameEstimate& result) const {
   for (HandRegion& region : regions) {
-    if (auto hand = hand_in(frame, std::move(region), side, result.times))
+    if (auto hand = hand_in(frame, std::move(region), look, result.times))
       result.hands.push_back(*std::move(hand));
   }
 }
@@ -250,7 +252,7 @@ void Pipeline::look_at_start(const Frame& frame, const Search& search, HandEstim
   if (is_sure(hand.score) || !patches.is_cube()) return;
   HandRegion region = region_in_cube(frame, *search.start, patches.cube_mm);
   region.side = hand.region.side;
-  auto other = hand_in(frame, std::move(region), search.side, times);
+  auto other = hand_in(frame, std::move(region), {.side = search.side}, times);
   if (other && other->score > hand.score) hand = *std::move(other);
 }
 
@@ -266,7 +268,7 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
                   [&](const HandRegion& region) { return is_near_one_of(tried, region.centre); });
     for (const HandRegion& region : found.hands) tried.push_back(region.centre);
     set_known_aside(found.hands, search.known, result.known);
-    add_hands(frame, std::move(found.hands), search.side, result);
+    add_hands(frame, std::move(found.hands), {.side = search.side, .may_give_up = true}, result);
     const auto sure =
         std::ranges::count_if(result.hands, [&](const auto& hand) { return is_sure(hand.score); });
     if (are_all || sure + std::ssize(result.known) >= search.max_hands || places >= finder_.hand().candidates)
@@ -277,10 +279,10 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
 /// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
 /// Segmentation guesses the side. Unless the estimator is sure of the guess, it is shown the other side as
 /// well, and what it says of both sides and how sure it is of both poses decide.
-std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region,
-                                              std::optional<HandSide> side, StageTimes& times) const {
-  if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), times);
-  if (side) return hand_of_side(frame, std::move(region), *side, times);
+std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region, const Look& look,
+                                              StageTimes& times) const {
+  if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), look, times);
+  if (look.side) return hand_of_side(frame, std::move(region), *look.side, times);
   const HandSide guess = region.side.value_or(HandSide::right);
   auto hand = hand_of_side(frame, region, guess, times);
   if (!hand || hand->side_confidence.value_or(0.0) >= kSureOfSide) return hand;
@@ -294,19 +296,21 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
 
 std::optional<HandEstimate> Pipeline::hand_of_side(const Frame& frame, HandRegion region, HandSide side,
                                                    StageTimes& times) const {
-  if (side == HandSide::right) return right_hand_in(frame, std::move(region), times);
+  if (side == HandSide::right) return right_hand_in(frame, std::move(region), {}, times);
   const int width = frame.camera.width;
-  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), times);
+  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), {}, times);
   if (hand) hand = mirrored_back(*std::move(hand), width);
   return hand;
 }
 
-std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegion region,
+std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegion region, const Look& look,
                                                     StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
   PatchPose in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
+  const double hopeless = look.may_give_up ? kHopeless * finder_.hand().sure_confidence : 0.0;
   for (int pass = 1; pass < estimator_->passes(); ++pass) {
+    if (score_of(in_patch, region) < hopeless) break;
     const ImagePoint centre = mean_joint(pose_in_image(in_patch, estimator_->convention(), patch->geometry));
     if ((Projection(frame.camera).to_camera(centre) - region.centre).norm() < kSettledMm) break;
     auto nearer = timed(times.patch_ms, [&] { return estimator_->patches().extract_around(frame, centre); });
@@ -326,23 +330,29 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   HandPose pose = pose_in_image(in_patch, estimator_->convention(), patch->geometry);
   HandEstimate hand;
   hand.side_confidence = in_patch.right_hand;
-  double plausibility = 1.0;
-  timed(times.refine_ms, [&] {
-    for (const auto& refiner : refiners_) {
-      RefinedHand refined = refiner->refine(frame, region, std::move(pose));
-      pose = std::move(refined.pose);
-      plausibility *= refined.plausibility;
-      if (!refined.angles) continue;
-      hand.angles = refined.angles;
-      hand.skeleton = std::move(refined.skeleton);
-    }
-    return true;
-  });
-  hand.score = witnessed * std::sqrt(plausibility);
+  hand.score = witnessed;
+  if (is_sure(witnessed) || !look.may_give_up) {
+    hand.score *= std::sqrt(timed(times.refine_ms, [&] { return refine(frame, region, pose, hand); }));
+  }
   hand.region = std::move(region);
   hand.pose = landmarks_ ? defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right)
                          : std::move(pose);
   return hand;
+}
+
+/// Changes the pose and tells the hand's angles and skeleton; how plausible that is, (0, 1].
+double Pipeline::refine(const Frame& frame, const HandRegion& region, HandPose& pose,
+                        HandEstimate& hand) const {
+  double plausibility = 1.0;
+  for (const auto& refiner : refiners_) {
+    RefinedHand refined = refiner->refine(frame, region, std::move(pose));
+    pose = std::move(refined.pose);
+    plausibility *= refined.plausibility;
+    if (!refined.angles) continue;
+    hand.angles = refined.angles;
+    hand.skeleton = std::move(refined.skeleton);
+  }
+  return plausibility;
 }
 
 /// Who sees the pose is one witness; who found the place counts by half, as does how well a hand model fits.

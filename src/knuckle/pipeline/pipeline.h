@@ -126,16 +126,23 @@ class Pipeline {
   FrameEstimate estimate_left(const Frame& frame, const Search& search) const;
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
   bool is_sure(double score) const;
-  void add_hands(const Frame& frame, std::vector<HandRegion> regions, std::optional<HandSide> side,
+  /// How a place is looked at.
+  struct Look {
+    std::optional<HandSide> side = {};  ///< where it is known
+    bool may_give_up = false;           ///< what will not be sure need not be looked at to the end
+  };
+  void add_hands(const Frame& frame, std::vector<HandRegion> regions, const Look& look,
                  FrameEstimate& result) const;
   void look_at_start(const Frame& frame, const Search& search, HandEstimate& hand, StageTimes& times) const;
   void look_elsewhere(const Frame& frame, const Search& search, FrameEstimate& result) const;
-  std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, std::optional<HandSide> side,
+  std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, const Look& look,
                                       StageTimes& times) const;
-  std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, StageTimes& times) const;
+  std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, const Look& look,
+                                            StageTimes& times) const;
   std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
                                            StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
+  double refine(const Frame& frame, const HandRegion& region, HandPose& pose, HandEstimate& hand) const;
   double score_of(const PatchPose& pose, const HandRegion& region) const;
 
   std::string resolved_options_;

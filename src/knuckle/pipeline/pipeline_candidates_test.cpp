@@ -109,7 +109,8 @@ TEST(PipelineFromParts, KnowsALeftHandWhereItIs) {
 /// Looks up to three times at a cube; sees the palm so far to the right of the middle of each look [mm].
 class StepEstimator final : public Estimator {
  public:
-  explicit StepEstimator(double step_mm) : step_mm_(step_mm) {}
+  explicit StepEstimator(double step_mm, float confidence = 1.0f)
+      : step_mm_(step_mm), confidence_(confidence) {}
   Convention convention() const override { return {"corner1", kPalm}; }
   const PatchExtractor& patches() const override { return patches_; }
   int passes() const override { return 3; }
@@ -118,7 +119,7 @@ class StepEstimator final : public Estimator {
     const Projection projection(plate().camera);
     Point3 place = projection.to_camera(patch.geometry.to_image({0.0, 0.0, 0.0}));
     place.x() += step_mm_;
-    return {{patch.geometry.to_patch(projection.to_image(place))}, {1.0f}};
+    return {{patch.geometry.to_patch(projection.to_image(place))}, {confidence_}};
   }
 
   mutable int calls = 0;
@@ -127,6 +128,7 @@ class StepEstimator final : public Estimator {
   static constexpr std::array kPalm = {Landmark::palm};
   PatchExtractor patches_{{.size_px = 10, .mode = "cube", .cube_mm = 100.0}};
   double step_mm_;
+  float confidence_;
 };
 
 TEST(PipelineFromParts, DoesNotLookAgainWhereItHasLooked) {
@@ -160,6 +162,52 @@ class PlaceSegmenter final : public Segmenter {
  private:
   std::vector<double> places_;
 };
+
+class CountingRefiner final : public Refiner {
+ public:
+  explicit CountingRefiner(int& calls) : calls_(calls) {}
+  RefinedHand refine(const Frame&, const HandRegion&, HandPose pose) const override {
+    ++calls_;
+    return {std::move(pose)};
+  }
+
+ private:
+  int& calls_;
+};
+
+struct Work {
+  int looks = 0;
+  int refined = 0;
+  bool operator==(const Work&) const = default;
+};
+
+/// At a place of this confidence, where 0.5 is sure.
+Work work_at(float confidence, const std::string& side, const Search& search) {
+  Work work;
+  auto estimator = std::make_unique<StepEstimator>(11.0, confidence);
+  const StepEstimator& seen = *estimator;
+  PipelineParts parts{HandFinder(std::make_unique<PlaceSegmenter>(std::vector{-170.0}),
+                                 {.side = side, .sure_confidence = 0.5}),
+                      std::move(estimator)};
+  parts.refiners.push_back(std::make_unique<CountingRefiner>(work.refined));
+  Pipeline(std::move(parts)).estimate(plate(), search);
+  work.looks = seen.calls;
+  return work;
+}
+
+TEST(PipelineFromParts, GivesUpWhereASearchFoundNoHand) {
+  EXPECT_EQ(work_at(0.14f, "right", {}), (Work{1, 0})) << "less than 0.3 of what is sure";
+  EXPECT_EQ(work_at(0.16f, "right", {}), (Work{3, 0}));
+  EXPECT_EQ(work_at(0.49f, "right", {}), (Work{3, 0}));
+  EXPECT_EQ(work_at(0.51f, "right", {}), (Work{3, 1}));
+}
+
+TEST(PipelineFromParts, GivesUpNowhereElse) {
+  // At a start, the place that segmentation found and the start itself are both seen to the end.
+  const Search at_start{.start = Point3(-170.0, 0.0, 500.0), .elsewhere = false};
+  EXPECT_EQ(work_at(0.14f, "right", at_start), (Work{6, 2}));
+  EXPECT_EQ(work_at(0.14f, "auto", {}), (Work{6, 2})) << "both sides are compared";
+}
 
 TEST(PipelineFromParts, PlacesNearerThanFiftyMillimetresAreOneHand) {
   const auto hands_at = [](std::vector<double> places) {
