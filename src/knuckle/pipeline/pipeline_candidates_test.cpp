@@ -190,7 +190,8 @@ Work work_at(float confidence, const std::string& side, const Search& search) {
                                  {.side = side, .sure_confidence = 0.5}),
                       std::move(estimator)};
   parts.refiners.push_back(std::make_unique<CountingRefiner>(work.refined));
-  Pipeline(std::move(parts)).estimate(plate(), search);
+  const Pipeline pipeline(std::move(parts));
+  pipeline.estimate(plate(), search);
   work.looks = seen.calls;
   return work;
 }
