@@ -70,14 +70,21 @@ class PoseSmoother::OneEuro final : public Filter {
   std::vector<Part> parts_;
 };
 
-/// All of a hand rests or moves.
+/// The wrist rests or moves, and so do the digits, on their own.
 class PoseSmoother::RestMotion final : public Filter {
  public:
-  explicit RestMotion(double strength) : filter_(RestMotionOptions{}, strength * noise()) {}
+  explicit RestMotion(double strength)
+      : wrist_({}, strength * noise().head(kAngles)), digits_({}, strength * noise().tail(kHandAngleCount)) {}
   Eigen::VectorXd smooth(const Eigen::VectorXd& pose, double seconds) override {
-    return filter_.smooth(pose, seconds);
+    Eigen::VectorXd smoothed(kSize);
+    smoothed << wrist_.smooth(pose.head(kAngles), seconds),
+        digits_.smooth(pose.tail(kHandAngleCount), seconds);
+    return smoothed;
   }
-  void reset() override { filter_.reset(); }
+  void reset() override {
+    wrist_.reset();
+    digits_.reset();
+  }
 
  private:
   /// Somewhat more than manifests/test_still.toml shows: a hand that moves has errors of its own.
@@ -91,7 +98,8 @@ class PoseSmoother::RestMotion final : public Filter {
     return noise;
   }
 
-  RestMotionFilter filter_;
+  RestMotionFilter wrist_;
+  RestMotionFilter digits_;
 };
 
 PoseSmoother::PoseSmoother(const TrackerOptions& options) {

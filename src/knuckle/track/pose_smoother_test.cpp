@@ -89,6 +89,20 @@ TEST_P(PoseSmootherTest, KeepsAnglesWithinTheirLimits) {
   }
 }
 
+TEST(PoseSmoother, TheWristIsAveragedWhileTheDigitsMove) {
+  Random random(6);
+  PoseSmoother smoother({.smoothing = "kalman"});
+  double squares = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    SkeletonPose pose;
+    pose.camera_from_hand.translation() = Point3(random.normal(), random.normal(), random.normal());
+    for (double& angle : pose.angles.radians) angle = 0.4 + 0.4 * std::sin(12.0 * i * kFrame_s);
+    const SkeletonPose smoothed = smoother.smooth(pose, kFrame_s);
+    if (i >= 60) squares += smoothed.camera_from_hand.translation().squaredNorm() / 3.0 / 240.0;
+  }
+  EXPECT_LT(std::sqrt(squares), 0.3) << "of 1 mm";
+}
+
 TEST(PoseSmoother, WithoutSmoothingAnswersWhatItGot) {
   PoseSmoother smoother({.smoothing = "none"});
   for (const double angle : {0.1, 0.9, 0.3}) {

@@ -78,6 +78,25 @@ TEST(RestMotionFilter, SeesWithinAFewFramesThatWhatRestedMoves) {
   EXPECT_NEAR(smoothed.mean(), place, 0.1 * place);
 }
 
+/// How far behind the smoothed values are when a quarter of what rested has moved for two frames, fast.
+double behind_after_a_start(const RestMotionOptions& options) {
+  Random random(8);
+  RestMotionFilter filter(options, noise_of(1.0));
+  for (int i = 0; i < 90; ++i) filter.smooth(0.5 * random_vector(random), kSecondsPerFrame);
+  VectorXd smoothed;
+  for (const double place : {3.0, 9.0}) {
+    VectorXd values = 0.5 * random_vector(random);
+    values.head(kValues / 4).array() += place;
+    smoothed = filter.smooth(values, kSecondsPerFrame);
+  }
+  return 9.0 - smoothed.head(kValues / 4).mean();
+}
+
+TEST(RestMotionFilter, AManoeuvreIsFollowedAtOnce) {
+  EXPECT_LT(std::abs(behind_after_a_start({})), 0.7);
+  EXPECT_GT(behind_after_a_start({.manoeuvre = 1.0}), 1.2) << "what motion alone would make of it";
+}
+
 TEST(RestMotionFilter, IsTheKalmanFilterOfEachWhereOneIsCertain) {
   // With rest alone possible, values of a constant are their running mean: gains 1/2, 1/3, ...
   RestMotionFilter filter({.drift = 1e-9, .speed_change = 1e6, .stay_s = 1000.0}, noise_of(1.0));
@@ -131,6 +150,7 @@ TEST(RestMotionFilter, RefusesWhatIsNotFiniteAndTimeThatStandsStill) {
   EXPECT_THAT(error_of([] { RestMotionFilter({}, noise_of(0.0)); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([] { RestMotionFilter({}, noise_of(INFINITY)); }), HasSubstr("above 0"));
   EXPECT_THAT(error_of([] { RestMotionFilter({.drift = 0.0}, noise_of(1.0)); }), HasSubstr("drift"));
+  EXPECT_THAT(error_of([] { RestMotionFilter({.manoeuvre = 0.5}, noise_of(1.0)); }), HasSubstr("manoeuvre"));
 }
 
 }  // namespace
