@@ -109,7 +109,11 @@ Camera camera_from_text(std::string_view text) {
   camera.cy = values[3];
   camera.width = size_around(camera.cx);
   camera.height = size_around(camera.cy);
-  if (camera.fx == 0.0 || camera.fy == 0.0) fail("{}: a focal length must not be 0", where);
+  try {
+    check(camera);
+  } catch (const Error& error) {
+    fail("{}: {}", where, error.what());
+  }
   return camera;
 }
 

@@ -36,8 +36,8 @@ TEST(CameraText, HoldsFocalLengthsAndPrincipalPoint) {
 }
 
 TEST(CameraText, FaultsAreQuoted) {
-  for (const std::string text :
-       {"1,2,3", "1,2,3,4,5", "1,2,3,x", "0,1,2,3", "1,0,2,3", "nan,1,2,3", "inf,1,2,3", ""}) {
+  for (const std::string text : {"1,2,3", "1,2,3,4,5", "1,2,3,x", "0,1,2,3", "1,0,2,3", "nan,1,2,3",
+                                 "inf,1,2,3", "1e-320,1,2,3", "1,1e10,2,3", "1,1,1e6,3", ""}) {
     EXPECT_THAT(error_of([&] { camera_from_text(text); }), HasSubstr("'" + text + "'"));
   }
 }
