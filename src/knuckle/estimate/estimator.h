@@ -41,6 +41,9 @@ class Estimator {
   /// method knows one and did not ask for it yet: it may cost as much as another look. Safe to call from many
   /// threads.
   virtual PatchPose judged(const HandPatch& /*patch*/, PatchPose seen) const { return seen; }
+  /// The pose that estimate() saw in the patch, with what other looks at the same patch say of the side,
+  /// where the method has any. Safe to call from many threads.
+  virtual PatchPose sided(const HandPatch& /*patch*/, PatchPose seen) const { return seen; }
   /// The pose that estimate() saw in the patch, made surer by other looks at the same patch, where the method
   /// has any. Safe to call from many threads.
   virtual PatchPose ascertained(const HandPatch& /*patch*/, PatchPose seen) const { return seen; }

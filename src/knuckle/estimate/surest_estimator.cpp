@@ -8,6 +8,7 @@
 
 #include "knuckle/core/angle.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/likelihood.h"
 #include "knuckle/patch/cube_patch.h"
 #include "knuckle/patch/turned_patch.h"
 
@@ -18,6 +19,13 @@ namespace {
 constexpr std::array<int, 3> kTurns = {2, 1, 3};
 /// What is a hand with a lower likelihood is none from any side.
 constexpr double kNoHand = 0.05;
+
+/// What the network that judges the side is shown [degrees].
+constexpr std::array<double, 3> kTurnsForTheSide = {0.0, -30.0, 30.0};
+
+HandPatch turned_by(const HandPatch& patch, double angle_deg) {
+  return {turned_by(patch.pixels, angle_deg * kDegree, kCubeBackground), patch.geometry, patch.camera};
+}
 
 double mean_confidence(const PatchPose& pose) {
   double sum = 0.0;
@@ -97,18 +105,28 @@ PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const 
   return seen;
 }
 
+PatchPose SurestEstimator::sided(const HandPatch& patch, PatchPose seen) const {
+  double odds = 0.0;
+  for (const double turn_deg : kTurnsForTheSide) {
+    const PatchPose look =
+        estimators_.back()->estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
+    if (!look.right_hand) return seen;
+    odds += log_odds(*look.right_hand) / std::ssize(kTurnsForTheSide);
+  }
+  seen.right_hand = logistic(odds);
+  return seen;
+}
+
 PatchPose SurestEstimator::ascertained(const HandPatch& patch, PatchPose seen) const {
   if (options_.second_look_deg == 0.0) return seen;
-  const double turn = (90.0 * seen.quarter_turns + options_.second_look_deg) * kDegree;
-  const PatchPose other = estimators_[seen.seen_by]->estimate(
-      {turned_by(patch.pixels, turn, kCubeBackground), patch.geometry, patch.camera});
+  const double turn_deg = 90.0 * seen.quarter_turns + options_.second_look_deg;
+  const PatchPose other = estimators_[seen.seen_by]->estimate(turned_by(patch, turn_deg));
   for (std::size_t i = 0; i < seen.joints.size(); ++i) {
     const double sum = double{seen.confidence[i]} + other.confidence[i];
     const double share = sum > 0.0 ? seen.confidence[i] / sum : 0.5;
-    seen.joints[i] = mean_of(seen.joints[i], turned_by(other.joints[i], -turn), share);
+    seen.joints[i] = mean_of(seen.joints[i], turned_by(other.joints[i], -turn_deg * kDegree), share);
     seen.confidence[i] = static_cast<float>(0.5 * sum);
   }
-  if (seen.right_hand && other.right_hand) seen.right_hand = 0.5 * (*seen.right_hand + *other.right_hand);
   return seen;
 }
 

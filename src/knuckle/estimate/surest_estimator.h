@@ -49,8 +49,11 @@ class SurestEstimator final : public Estimator {
   PatchPose estimate(const HandPatch& patch) const override;
   /// Asks the last, unless somebody said already whether it is a hand; the pose stays.
   PatchPose judged(const HandPatch& patch, PatchPose seen) const override;
+  /// The side is what the last one says of three looks at the patch, straight and turned by 30 degrees to
+  /// both sides: the mean of the logarithms of their odds. Where it cannot tell, it stays as it is.
+  PatchPose sided(const HandPatch& patch, PatchPose seen) const override;
   /// The mean of the pose and of that which the same network sees in the patch turned by `second_look_deg`,
-  /// each joint weighted by its confidence; confidences and the likelihood of a right hand are plain means.
+  /// each joint weighted by its confidence; confidences are plain means.
   PatchPose ascertained(const HandPatch& patch, PatchPose seen) const override;
 
  private:

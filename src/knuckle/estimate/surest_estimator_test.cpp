@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/estimate/surest_estimator.h"
 
+#include <array>
 #include <cmath>
 
 #include "knuckle/core/angle.h"
@@ -227,6 +228,16 @@ class FindsBrightest final : public Estimator {
   PatchExtractor patches_;
 };
 
+/// A patch of 13 x 13 pixels, the brightest of which is this one.
+HandPatch hill(int u, int v) {
+  HandPatch patch{Image<float>(13, 13, kCubeBackground), {}, {}};
+  for (int row = 0; row < 13; ++row) {
+    for (int column = 0; column < 13; ++column)
+      patch.pixels(column, row) = static_cast<float>(0.5 - 0.1 * std::hypot(column - u, row - v));
+  }
+  return patch;
+}
+
 /// Looks at a pixel of a patch through two of them; the second is the one that is sure.
 PatchPose ascertained_pixel(int u, int v, double second_look_deg) {
   std::vector<std::unique_ptr<Estimator>> estimators;
@@ -234,11 +245,7 @@ PatchPose ascertained_pixel(int u, int v, double second_look_deg) {
   estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.1f, 0.1}, Opinion{0.1f, 0.1}));
   estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.9f, 0.8}, Opinion{0.3f, 0.4}));
   const SurestEstimator surest(std::move(estimators), {.second_look_deg = second_look_deg});
-  HandPatch patch{Image<float>(13, 13, kCubeBackground), {}, {}};
-  for (int row = 0; row < 13; ++row) {
-    for (int column = 0; column < 13; ++column)
-      patch.pixels(column, row) = static_cast<float>(0.5 - 0.1 * std::hypot(column - u, row - v));
-  }
+  const HandPatch patch = hill(u, v);
   return surest.ascertained(patch, surest.estimate(patch));
 }
 
@@ -249,7 +256,7 @@ TEST(SurestEstimator, AKeptPoseIsTheMeanOfTwoLooks) {
   EXPECT_NEAR(pose.joints[0].v, -5.0 / 6.0, 1e-12);
   EXPECT_NEAR(pose.joints[0].d, 0.5, 1e-12);
   EXPECT_FLOAT_EQ(pose.confidence[0], 0.6f);
-  EXPECT_NEAR(*pose.right_hand, 0.6, 1e-12);
+  EXPECT_EQ(pose.right_hand, 0.8) << "sided() asks for that";
 
   // By other angles places are rounded to pixels, which may take this one away: the brightest of a hill is
   // found.
@@ -257,6 +264,57 @@ TEST(SurestEstimator, AKeptPoseIsTheMeanOfTwoLooks) {
   EXPECT_NEAR(coarse.joints[3].u, 2.0 / 6.0, 0.5 / 6.0);
   EXPECT_NEAR(coarse.joints[3].v, -5.0 / 6.0, 0.5 / 6.0);
   EXPECT_NE(coarse.joints[3].u, 2.0 / 6.0) << "a mean";
+}
+
+/// Says 0.9, 0.6, 0.5 one after another of how likely a right hand is, and remembers where it saw the
+/// brightest pixel of a patch.
+class ChangesItsMind final : public Estimator {
+ public:
+  explicit ChangesItsMind(std::vector<double>* angles_deg) : angles_deg_(angles_deg) {}
+  Convention convention() const override { return sees_.convention(); }
+  const PatchExtractor& patches() const override { return sees_.patches(); }
+  double sure_confidence() const override { return 0.3; }
+  PatchPose estimate(const HandPatch& patch) const override {
+    PatchPose pose = sees_.estimate(patch);
+    angles_deg_->push_back(std::atan2(pose.joints[0].v, pose.joints[0].u) / kDegree);
+    pose.right_hand = std::array{0.9, 0.6, 0.5}.at(angles_deg_->size() - 1);
+    return pose;
+  }
+
+ private:
+  FindsBrightest sees_{{0.5f, 0.0}, {0.5f, 0.0}};
+  std::vector<double>* angles_deg_;
+};
+
+TEST(SurestEstimator, TheSideIsWhatTheLastSaysOfThreeLooks) {
+  std::vector<double> angles_deg;
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  using Opinion = FindsBrightest::Opinion;
+  estimators.push_back(std::make_unique<FindsBrightest>(Opinion{0.7f, 0.2}, Opinion{0.7f, 0.2}));
+  estimators.push_back(std::make_unique<ChangesItsMind>(&angles_deg));
+  const SurestEstimator surest(std::move(estimators), {});
+  PatchPose seen;
+  seen.joints = {{0.25, 0.5, 0.0}};
+  seen.right_hand = 0.2;
+  seen.quarter_turns = 1;
+  const PatchPose sided = surest.sided(hill(11, 6), seen);
+  // Odds of 9, 3/2 and 1: their geometric mean is that of 27/2.
+  const double odds = std::cbrt(13.5);
+  EXPECT_NEAR(*sided.right_hand, odds / (1.0 + odds), 1e-9);
+  EXPECT_EQ(sided.joints[0].u, 0.25) << "the pose stays";
+  ASSERT_EQ(angles_deg.size(), 3u);
+  EXPECT_NEAR(std::abs(angles_deg[0]), 90.0, 10.0) << "as the pose was seen: a quarter turned";
+  EXPECT_NEAR(angles_deg[1] - angles_deg[0], -30.0, 12.0) << "places are whole pixels";
+  EXPECT_NEAR(angles_deg[2] - angles_deg[0], 30.0, 12.0);
+}
+
+TEST(SurestEstimator, TheSideStaysWhereTheLastCannotTellIt) {
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  estimators.push_back(std::make_unique<KnownPose>(1.0, 0.7f, 0.2));
+  estimators.push_back(std::make_unique<KnownPose>(2.0, 0.7f, std::nullopt));
+  PatchPose seen;
+  seen.right_hand = 0.2;
+  EXPECT_EQ(SurestEstimator(std::move(estimators), {}).sided(hill(6, 6), seen).right_hand, 0.2);
 }
 
 TEST(SurestEstimator, WithoutASecondLookAPoseStaysAsItIs) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "knuckle/core/likelihood.h"
 #include "knuckle/net/dense_architecture.h"
 #include "knuckle/patch/cube_patch.h"
 
@@ -50,10 +51,6 @@ double mean_of_map(const std::vector<Cell>& cells, int map) {
   double sum = 0.0;
   for (const Cell& cell : cells) sum += cell.channels[map];
   return sum / static_cast<double>(cells.size());
-}
-
-double logistic(double logit) {
-  return 1.0 / (1.0 + std::exp(-logit));
 }
 
 /// All numbers of all joints, so that one loop works on several joints at a time.

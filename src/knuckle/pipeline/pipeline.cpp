@@ -8,6 +8,7 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
+#include "knuckle/core/likelihood.h"
 #include "knuckle/data/defined_pose.h"
 #include "knuckle/estimate/create_estimator.h"
 #include "knuckle/pipeline/calibrated_confidence.h"
@@ -126,14 +127,12 @@ Search in_mirror(Search search) {
   return search;
 }
 
-constexpr double kSureOfSide = 0.95;
-constexpr double kOddsOfScore = 20.0;  ///< of the side whose pose is surer by 1
+constexpr double kSureOfSide = 0.98;
+constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
 
 /// 0 where nothing is known.
-double log_odds(const std::optional<double>& likelihood) {
-  if (!likelihood) return 0.0;
-  const double bounded = std::clamp(*likelihood, 1e-3, 1.0 - 1e-3);
-  return std::log(bounded / (1.0 - bounded));
+double odds_of(const std::optional<double>& likelihood) {
+  return likelihood ? log_odds(*likelihood) : 0.0;
 }
 
 /// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
@@ -282,23 +281,24 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region, const Look& look,
                                               StageTimes& times) const {
   if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), look, times);
-  if (look.side) return hand_of_side(frame, std::move(region), *look.side, times);
+  const Look to_the_end{.side = look.side};
+  if (look.side) return hand_of_side(frame, std::move(region), *look.side, to_the_end, times);
   const HandSide guess = region.side.value_or(HandSide::right);
-  auto hand = hand_of_side(frame, region, guess, times);
+  auto hand = hand_of_side(frame, region, guess, to_the_end, times);
   if (!hand || hand->side_confidence.value_or(0.0) >= kSureOfSide) return hand;
   auto other = hand_of_side(frame, std::move(region),
-                            guess == HandSide::right ? HandSide::left : HandSide::right, times);
+                            guess == HandSide::right ? HandSide::left : HandSide::right, to_the_end, times);
   if (!other) return hand;
-  const double evidence = log_odds(hand->side_confidence) - log_odds(other->side_confidence) +
+  const double evidence = odds_of(hand->side_confidence) - odds_of(other->side_confidence) +
                           kOddsOfScore * (hand->score - other->score);
   return evidence >= 0.0 ? std::move(hand) : std::move(other);
 }
 
 std::optional<HandEstimate> Pipeline::hand_of_side(const Frame& frame, HandRegion region, HandSide side,
-                                                   StageTimes& times) const {
-  if (side == HandSide::right) return right_hand_in(frame, std::move(region), {}, times);
+                                                   const Look& look, StageTimes& times) const {
+  if (side == HandSide::right) return right_hand_in(frame, std::move(region), look, times);
   const int width = frame.camera.width;
-  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), {}, times);
+  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), look, times);
   if (hand) hand = mirrored_back(*std::move(hand), width);
   return hand;
 }
@@ -323,6 +323,9 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
   if (is_sure(witnessed) && !in_patch.hand && witnessed < finder_.hand().judged_below) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->judged(*patch, std::move(in_patch)); });
     witnessed = score_of(in_patch, region);
+  }
+  if (is_sure(witnessed) && finder_.hand().is_auto() && !look.side) {
+    in_patch = timed(times.estimate_ms, [&] { return estimator_->sided(*patch, std::move(in_patch)); });
   }
   if (is_sure(witnessed)) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->ascertained(*patch, std::move(in_patch)); });

@@ -140,7 +140,7 @@ class Pipeline {
   std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, const Look& look,
                                             StageTimes& times) const;
   std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
-                                           StageTimes& times) const;
+                                           const Look& look, StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
   double refine(const Frame& frame, const HandRegion& region, HandPose& pose, HandEstimate& hand) const;
   double score_of(const PatchPose& pose, const HandRegion& region) const;

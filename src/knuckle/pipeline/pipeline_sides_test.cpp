@@ -84,9 +84,47 @@ TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
   };
   EXPECT_EQ(side(std::nullopt, 0.2f), HandSide::left);
   EXPECT_EQ(side(std::nullopt, -0.2f), HandSide::right);
-  EXPECT_EQ(side(0.6, 0.3f), HandSide::left) << "a little likelier a right one, and much surer as a left one";
+  EXPECT_EQ(side(0.52, 0.3f), HandSide::left)
+      << "a little likelier a right one, and much surer as a left one";
   EXPECT_EQ(side(0.6, 0.01f), HandSide::right);
-  EXPECT_EQ(side(0.97, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
+  EXPECT_EQ(side(0.985, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
+}
+
+/// Knows the side, a left one, only when other looks are asked for.
+class AskedForSide final : public Estimator {
+ public:
+  explicit AskedForSide(int* asked) : asked_(asked) {}
+  Convention convention() const override { return sees_.convention(); }
+  const PatchExtractor& patches() const override { return sees_.patches(); }
+  PatchPose estimate(const HandPatch& patch) const override { return sees_.estimate(patch); }
+  PatchPose sided(const HandPatch& patch, PatchPose seen) const override {
+    ++*asked_;
+    seen.right_hand = 1.0 - *sees_.estimate(patch).right_hand;
+    return seen;
+  }
+
+ private:
+  SideEstimator sees_{0.7};
+  int* asked_;
+};
+
+TEST(PipelineFromParts, OtherLooksTellTheSideWhereItIsNotKnown) {
+  int asked = 0;
+  const auto side = [&](HandOptions hand, std::optional<HandSide> known = {}) {
+    asked = 0;
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(HandSide::right), std::move(hand)),
+                        std::make_unique<AskedForSide>(&asked)};
+    const Search search{.start = Point3(1.0, 2.0, 3.0), .side = known};
+    return Pipeline(std::move(parts)).estimate(plate(), search).hands.at(0).side;
+  };
+  EXPECT_EQ(side({.side = "auto"}), HandSide::left);
+  EXPECT_EQ(asked, 2) << "of both sides";
+  EXPECT_EQ(side({.side = "auto"}, HandSide::right), HandSide::right);
+  EXPECT_EQ(asked, 0) << "it is known";
+  EXPECT_EQ(side({.side = "right"}), HandSide::right);
+  EXPECT_EQ(asked, 0) << "it is said";
+  side({.side = "auto", .sure_confidence = 0.9});
+  EXPECT_EQ(asked, 0) << "it is no hand anyway";
 }
 
 TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "knuckle/core/likelihood.h"
+
 namespace knuckle {
 namespace {
 
@@ -12,10 +14,6 @@ namespace {
 constexpr double kLeastInverseDepth = 0.02;  // of something 50 m away [1/m]
 constexpr double kLeastExtentMm = 20.0;
 constexpr double kMostExtentMm = 250.0;
-
-double logistic(double logit) {
-  return 1.0 / (1.0 + std::exp(-logit));
-}
 
 /// Whether no neighbour has more heat; of equal cells the first one, row by row, is the peak.
 bool is_peak(const DetectorMaps& maps, int column, int row) {
