@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
+#include "knuckle/segment/detector/detector_relief.h"
 #include "knuckle/segment/detector/detector_segmenter.h"
 #include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/testing.h"
@@ -28,6 +29,9 @@ Frame measured_frame() {
   return frame;
 }
 
+/// As pipelines/train_detector_relief.toml has it.
+constexpr DetectorOptions kWithRelief{.eighth_channels = 64, .sixteenth_channels = 128, .relief = true};
+
 /// From frame to region; the weights say nothing of the time.
 void detector_640x480(benchmark::State& state) {
   const Frame frame = measured_frame();
@@ -47,6 +51,18 @@ void shrink_640x480(benchmark::State& state) {
   for ([[maybe_unused]] const auto step : state) benchmark::DoNotOptimize(view.shrink(frame.depth_mm));
 }
 BENCHMARK(shrink_640x480)->Name("segment/detector/shrink/640x480")->Unit(benchmark::kMicrosecond);
+
+void relief(benchmark::State& state) {
+  const Frame frame = measured_frame();
+  const Image<float> inverse_depth =
+      DetectorView(kWithRelief, frame.camera).shrink(frame.depth_mm).inverse_depth;
+  std::vector<float> reliefs(kReliefInputs * inverse_depth.size());
+  for ([[maybe_unused]] const auto step : state) {
+    write_reliefs(kWithRelief, inverse_depth.pixels(), reliefs);
+    benchmark::DoNotOptimize(reliefs.data());
+  }
+}
+BENCHMARK(relief)->Name("segment/detector/relief")->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace knuckle

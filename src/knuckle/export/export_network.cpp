@@ -74,7 +74,7 @@ OnnxModel onnx_of(const DetectorWeights& weights) {
   const DetectorOptions& options = weights.options();
   OnnxModel model = empty_model("detector");
   GraphBuilder graph(model);
-  graph.input("picture", {1, kDetectorInputs, options.height, options.width});
+  graph.input("picture", {1, options.inputs(), options.height, options.width});
   const EncoderDecoderShape shape = options.shape();
   const std::string features = add_encoder_decoder(graph, shape, weights, "picture");
   add_head(graph, shape, weights, features, {0, kDetectorMaps}, "maps");

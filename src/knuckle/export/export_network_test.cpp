@@ -15,6 +15,7 @@
 #include "knuckle/net/onnx/onnx_engine.h"
 #include "knuckle/net/onnx/onnx_file.h"
 #include "knuckle/net/onnx_network.h"
+#include "knuckle/segment/detector/detector_relief.h"
 #include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/detector/hand_detector.h"
 #include "knuckle/storage/file_io.h"
@@ -145,9 +146,7 @@ TEST_P(EveryArchitecture, KeepsWeightsAndOptions) {
   }
 }
 
-TEST(Export, TheDetectorsMapsAreItsOwn) {
-  if (!onnx_support().is_there) GTEST_SKIP() << onnx_support().text;
-  const DetectorOptions options = testing::small_detector();
+void expect_the_same_maps(const DetectorOptions& options) {
   const DetectorWeights weights = random_detector(options, 3);
   const HandDetector detector(weights);
   DetectorInput input{Image<float>(options.width, options.height),
@@ -157,6 +156,11 @@ TEST(Export, TheDetectorsMapsAreItsOwn) {
   for (float& value : input.measured_share.pixels()) value = static_cast<float>(random.uniform());
   std::vector<float> planes(input.inverse_depth.pixels().begin(), input.inverse_depth.pixels().end());
   planes.insert(planes.end(), input.measured_share.pixels().begin(), input.measured_share.pixels().end());
+  if (options.relief) {
+    planes.resize(planes.size() + kReliefInputs * input.inverse_depth.size());
+    write_reliefs(options, input.inverse_depth.pixels(),
+                  std::span(planes).subspan(kMeasuredInputs * input.inverse_depth.size()));
+  }
   const DetectorMaps expected = detector.maps_of(input);
   const std::vector<float> maps = OnnxNetwork(onnx_of(weights), "detector.onnx").run(planes).front();
   const std::size_t cells = expected.values.size() / kDetectorMaps;
@@ -166,6 +170,14 @@ TEST(Export, TheDetectorsMapsAreItsOwn) {
       EXPECT_NEAR(maps[map * cells + cell], expected.values[cell * kDetectorMaps + map], 1e-5);
     }
   }
+}
+
+TEST(Export, TheDetectorsMapsAreItsOwn) {
+  if (!onnx_support().is_there) GTEST_SKIP() << onnx_support().text;
+  DetectorOptions options = testing::small_detector();
+  expect_the_same_maps(options);
+  options.relief = true;
+  expect_the_same_maps(options);
 }
 
 TEST(Export, TheSameNetworkMakesTheSameBytes) {

@@ -22,13 +22,45 @@ struct Middle {
   double v;
 };
 
+/// The cells of a picture whose distance to (u, v) is at most `radius`, in a square around them.
+struct Surroundings {
+  Surroundings(const DetectorOptions& options, double u, double v, double radius)
+      : left(first(u - radius, options.width)),
+        right(first(u + radius + 1.0, options.width)),
+        top(first(v - radius, options.height)),
+        bottom(first(v + radius + 1.0, options.height)) {}
+
+  /// The first cell at or behind a place, in [0, count].
+  static int first(double place, int count) {
+    return static_cast<int>(std::ceil(std::clamp(place, 0.0, static_cast<double>(count))));
+  }
+
+  int left;
+  int right;  ///< behind the last
+  int top;
+  int bottom;  ///< behind the last
+};
+
 /// Forgets the cells of an input where `is_lost(column, row)`.
 template <class IsLost>
 void lose_cells(const DetectorOptions& options, std::span<float> input, const IsLost& is_lost) {
-  const std::size_t cells = input.size() / kDetectorInputs;
+  const std::size_t cells = input.size() / kMeasuredInputs;
   for (int row = 0; row < options.height; ++row) {
     for (int column = 0; column < options.width; ++column) {
       if (!is_lost(column, row)) continue;
+      const std::size_t i = static_cast<std::size_t>(row) * options.width + column;
+      input[i] = input[cells + i] = 0.0f;
+    }
+  }
+}
+
+/// Forgets the cells nearer than `radius` to (u, v).
+void lose_disc(const DetectorOptions& options, std::span<float> input, double u, double v, double radius) {
+  const std::size_t cells = input.size() / kMeasuredInputs;
+  const Surroundings near(options, u, v, radius);
+  for (int row = near.top; row < near.bottom; ++row) {
+    for (int column = near.left; column < near.right; ++column) {
+      if (std::hypot(column - u, row - v) >= radius) continue;
       const std::size_t i = static_cast<std::size_t>(row) * options.width + column;
       input[i] = input[cells + i] = 0.0f;
     }
@@ -64,7 +96,7 @@ void view_cells(const DetectorSample& sample, const DetectorOptions& options, co
   const Middle middle(options);
   const double cosine = std::cos(view.rotation) / view.zoom;
   const double sine = std::sin(view.rotation) / view.zoom;
-  const std::size_t cells = input.size() / kDetectorInputs;
+  const std::size_t cells = input.size() / kMeasuredInputs;
   const auto zoom = static_cast<float>(view.zoom);
   std::size_t i = 0;
   for (int row = 0; row < options.height; ++row) {
@@ -112,7 +144,7 @@ void view_hands(const DetectorSample& sample, const DetectorOptions& options, co
 void spoil_cells(const DetectorAugmentation& augmentation, const DetectorOptions& options, Random& random,
                  std::span<float> input) {
   const double deviation = random.uniform() * augmentation.noise_per_m;
-  const std::span<float> inverse_depths = input.first(input.size() / kDetectorInputs);
+  const std::span<float> inverse_depths = input.first(input.size() / kMeasuredInputs);
   for (float& inverse : inverse_depths) {
     if (inverse > 0.0f) {
       inverse = std::max(1e-3f, inverse + static_cast<float>(deviation * random.normal()));
@@ -125,7 +157,7 @@ void spoil_cells(const DetectorAugmentation& augmentation, const DetectorOptions
     const double u = random.uniform(0.0, options.width);
     const double v = random.uniform(0.0, options.height);
     const double radius = random.uniform() * augmentation.erased_cells;
-    lose_cells(options, input, [&](int column, int row) { return std::hypot(column - u, row - v) < radius; });
+    lose_disc(options, input, u, v, radius);
   }
   if (random.uniform() < augmentation.cut_share) {
     const double farthest = kMillimetresPerMetre / random.uniform(kNearestCutMm, kFarthestCutMm);
@@ -145,8 +177,9 @@ void excuse_unseen_hands(const DetectorOptions& options, std::span<const float> 
         kExtentUnitMm / kMillimetresPerMetre * std::exp(static_cast<double>(hand[kHandExtent]));
     const double radius = options.focal_cells * extent_m / depth_m;
     int seen = 0;
-    for (int row = 0; row < options.height; ++row) {
-      for (int column = 0; column < options.width; ++column) {
+    const Surroundings near(options, hand[kHandU], hand[kHandV], radius);
+    for (int row = near.top; row < near.bottom; ++row) {
+      for (int column = near.left; column < near.right; ++column) {
         if (std::hypot(column - hand[kHandU], row - hand[kHandV]) > radius) continue;
         const double inverse = input[static_cast<std::size_t>(row) * options.width + column];
         seen += inverse > 0.0 && std::abs(1.0 / inverse - depth_m) < kSeenDepth * extent_m ? 1 : 0;

@@ -86,7 +86,7 @@ TEST(DetectorSamples, KeepWhatWasSeenWithinTheirSteps) {
   const Frame frame = ball_frame({30, -20, 600}, HandSide::right);
   const DetectorSamples samples = detector_samples_of({frame});
   const DetectorInput input = DetectorView({}, frame.camera).shrink(frame.depth_mm);
-  std::vector<float> seen(input.inverse_depth.size() * kDetectorInputs);
+  std::vector<float> seen(input.inverse_depth.size() * kMeasuredInputs);
   view_cells(samples.sample(0), {}, {}, seen);
   for (std::size_t i = 0; i < input.inverse_depth.size(); ++i) {
     EXPECT_NEAR(seen[i], input.inverse_depth.data()[i], 1e-4);
@@ -114,7 +114,7 @@ ImagePoint middle_of(std::span<const float> input) {
 TEST(DetectorViews, HandsMoveAsCellsDo) {
   const DetectorSamples samples = detector_samples_of({ball_frame({30, -20, 700}, HandSide::right)});
   const DetectorOptions options;
-  std::vector<float> input(static_cast<std::size_t>(options.width) * options.height * kDetectorInputs);
+  std::vector<float> input(static_cast<std::size_t>(options.width) * options.height * kMeasuredInputs);
   LabelledHands hands;
   Random random(1);
   DetectorAugmentation augmentation = kFaultless;
@@ -139,7 +139,7 @@ TEST(DetectorViews, AMirrorSeenInAMirrorIsThePictureItself) {
   const DetectorSamples samples = detector_samples_of(
       {ball_frame({30, -20, 700}, HandSide::left), mirrored(ball_frame({30, -20, 700}, HandSide::left))});
   const DetectorOptions options;
-  std::vector<float> there(static_cast<std::size_t>(options.width) * options.height * kDetectorInputs);
+  std::vector<float> there(static_cast<std::size_t>(options.width) * options.height * kMeasuredInputs);
   std::vector<float> back(there.size());
   LabelledHands hands_there;
   LabelledHands hands_back;
@@ -156,7 +156,7 @@ TEST(DetectorViews, AMirrorSeenInAMirrorIsThePictureItself) {
 TEST(DetectorViews, AHandThatLeavesThePictureOrIsNotMeasuredDoesNotCount) {
   const DetectorSamples samples = detector_samples_of({ball_frame({30, -20, 700}, HandSide::right)});
   const DetectorOptions options;
-  std::vector<float> input(static_cast<std::size_t>(options.width) * options.height * kDetectorInputs);
+  std::vector<float> input(static_cast<std::size_t>(options.width) * options.height * kMeasuredInputs);
   LabelledHands hands;
   view_hands(samples.sample(0), options, {.shift_u = 100.0}, hands);
   EXPECT_EQ(hands[kHandCounts], 0.0f);
@@ -172,7 +172,7 @@ TEST(DetectorViews, AHandThatLeavesThePictureOrIsNotMeasuredDoesNotCount) {
 TEST(DetectorViews, FaultsKeepNumbersInTheirRanges) {
   const DetectorSamples samples = detector_samples_of({ball_frame({30, -20, 700}, HandSide::right)});
   const DetectorOptions options;
-  std::vector<float> clean(static_cast<std::size_t>(options.width) * options.height * kDetectorInputs);
+  std::vector<float> clean(static_cast<std::size_t>(options.width) * options.height * kMeasuredInputs);
   view_cells(samples.sample(0), options, {}, clean);
   Random random(3);
   for (int i = 0; i < 20; ++i) {

@@ -11,6 +11,7 @@
 #include "knuckle/core/error.h"
 #include "knuckle/core/parallel.h"
 #include "knuckle/segment/detector/detector_file.h"
+#include "knuckle/segment/detector/detector_relief.h"
 #include "knuckle/training/detector_network.h"
 #include "knuckle/training/detector_training.h"
 #include "knuckle/training/fetched_numbers.h"
@@ -24,6 +25,22 @@ constexpr std::int64_t kChunk = 32;
 constexpr double kFoundMm = 40.0;
 /// A detection that is so near a hand that does not count is not wrong.
 constexpr double kExcusedMm = 150.0;
+
+std::size_t cells_of(const DetectorOptions& options) {
+  return static_cast<std::size_t>(options.width) * options.height;
+}
+
+/// The planes of an input that a frame fills.
+std::span<float> measured_in(const DetectorOptions& options, std::span<float> input) {
+  return input.first(kMeasuredInputs * cells_of(options));
+}
+
+/// Fills the planes that follow from those, where the network sees them.
+void add_reliefs(const DetectorOptions& options, std::span<float> input) {
+  if (!options.relief) return;
+  const std::size_t cells = cells_of(options);
+  write_reliefs(options, input.first(cells), input.subspan(kMeasuredInputs * cells));
+}
 
 struct Truth {
   Point3 centre;
@@ -64,7 +81,8 @@ DetectorSampleViews::DetectorSampleViews(const DetectorSamples& samples,
 }
 
 std::vector<std::int64_t> DetectorSampleViews::input_shape() const {
-  return {kDetectorInputs, samples_.options().height, samples_.options().width};
+  const DetectorOptions& options = samples_.options();
+  return {options.inputs(), options.height, options.width};
 }
 
 std::vector<std::int64_t> DetectorSampleViews::target_shape() const {
@@ -73,12 +91,15 @@ std::vector<std::int64_t> DetectorSampleViews::target_shape() const {
 
 void DetectorSampleViews::view(std::int64_t index, Random& random, std::span<float> input,
                                std::span<float> target) const {
+  const DetectorOptions& options = samples_.options();
   const DetectorSample sample = samples_.sample(index);
   const PictureView seen = random_view(augmentation_, random);
-  view_cells(sample, samples_.options(), seen, input);
-  view_hands(sample, samples_.options(), seen, target);
-  spoil_cells(augmentation_, samples_.options(), random, input);
-  excuse_unseen_hands(samples_.options(), input, target);
+  const std::span<float> measured = measured_in(options, input);
+  view_cells(sample, options, seen, measured);
+  view_hands(sample, options, seen, target);
+  spoil_cells(augmentation_, options, random, measured);
+  excuse_unseen_hands(options, measured, target);
+  add_reliefs(options, input);
 }
 
 /// Some frames in memory.
@@ -208,19 +229,20 @@ std::vector<double> DetectorTrainingTask::validate(TrainableModule& network,
     const c10::InferenceMode inference;
     const std::int64_t first = chunk * kChunk;
     const std::int64_t size = std::min(kChunk, validation_.size() - first);
-    torch::Tensor inputs = torch::empty({size, kDetectorInputs, options_.height, options_.width});
+    torch::Tensor inputs = torch::empty({size, options_.inputs(), options_.height, options_.width});
     const auto numbers = static_cast<std::size_t>(inputs.numel() / size);
+    const auto input_of = [&](std::int64_t i) {
+      return std::span(inputs.data_ptr<float>() + static_cast<std::size_t>(i) * numbers, numbers);
+    };
     for (std::int64_t i = 0; i < size; ++i) {
-      const std::span<float> input(inputs.data_ptr<float>() + static_cast<std::size_t>(i) * numbers, numbers);
-      view_cells(validation_.sample(first + i), options_, {}, input);
+      view_cells(validation_.sample(first + i), options_, {}, measured_in(options_, input_of(i)));
+      add_reliefs(options_, input_of(i));
     }
     const torch::Tensor output = network.forward(inputs.to(device));
     for (std::int64_t i = 0; i < size; ++i) {
       LabelledHands hands;
       view_hands(validation_.sample(first + i), options_, {}, hands);
-      const std::span<const float> input(inputs.data_ptr<float>() + static_cast<std::size_t>(i) * numbers,
-                                         numbers);
-      excuse_unseen_hands(options_, input, hands);
+      excuse_unseen_hands(options_, measured_in(options_, input_of(i)), hands);
       const auto detected = hands_in(maps_of_sample(output, i), view, {});
       counts[static_cast<std::size_t>(chunk)].add(counts_of(detected, hands, view));
     }

@@ -137,6 +137,17 @@ void make_detector_like_trained(DetectorNetwork& network) {
   network.eval();
 }
 
+/// Views are the samples themselves.
+constexpr DetectorAugmentation kAsTheyAre{.mirrored_share = 0,
+                                          .zoom = 0,
+                                          .shift_cells = 0,
+                                          .rotation_deg = 0,
+                                          .noise_per_m = 0,
+                                          .missing_share = 0,
+                                          .erased_discs = 0,
+                                          .erased_cells = 0,
+                                          .cut_share = 0};
+
 TEST(DetectorAnswers, AreTheSameInTrainingAndInUse) {
   DetectorOptions odd = small_detector();
   odd.width = 80;
@@ -145,20 +156,27 @@ TEST(DetectorAnswers, AreTheSameInTrainingAndInUse) {
   odd.eighth_channels = 17;
   odd.head_channels = 5;
   odd.blocks = 2;
-  for (const DetectorOptions& options : {DetectorOptions{}, small_detector(), odd}) {
+  DetectorOptions with_relief = odd;
+  with_relief.relief = true;
+  for (const DetectorOptions& options : {DetectorOptions{}, small_detector(), odd, with_relief}) {
     const TemporaryFolder folder;
     const auto network = make_detector_network(options, 3);
     make_detector_like_trained(*network);
-    const DetectorSamples none(options, 1);
-    const DetectorTrainingTask task(
-        options, {}, std::make_shared<const DetectorSampleViews>(none, DetectorAugmentation{}), none);
-    task.save(folder / "hands.pt", *network);
-    const HandDetector in_use(load_detector_weights(folder / "hands.pt"));
     const Frame frame = labelled_frame(4);
-    const DetectorInput input = DetectorView(options, frame.camera).shrink(frame.depth_mm);
-    torch::Tensor inputs = torch::empty({1, kDetectorInputs, options.height, options.width});
-    std::ranges::copy(input.inverse_depth.pixels(), inputs[0][0].data_ptr<float>());
-    std::ranges::copy(input.measured_share.pixels(), inputs[0][1].data_ptr<float>());
+    DetectorSamples samples(options, 1);
+    samples.set(0, DetectorView(options, frame.camera).shrink(frame.depth_mm), {});
+    const auto views = std::make_shared<const DetectorSampleViews>(samples, kAsTheyAre);
+    DetectorTrainingTask(options, {}, views, samples).save(folder / "hands.pt", *network);
+    const HandDetector in_use(load_detector_weights(folder / "hands.pt"));
+    torch::Tensor inputs = torch::empty({1, options.inputs(), options.height, options.width});
+    LabelledHands hands;
+    Random random(1);
+    const auto numbers = static_cast<std::size_t>(inputs.numel());
+    views->view(0, random, std::span(inputs.data_ptr<float>(), numbers), hands);
+    DetectorInput input{Image<float>(options.width, options.height),
+                        Image<float>(options.width, options.height)};
+    std::copy_n(inputs[0][0].data_ptr<float>(), input.inverse_depth.size(), input.inverse_depth.data());
+    std::copy_n(inputs[0][1].data_ptr<float>(), input.measured_share.size(), input.measured_share.data());
     const torch::NoGradGuard no_gradient;
     const DetectorMaps expected = maps_of_sample(network->forward(inputs), 0);
     const DetectorMaps found = in_use.maps_of(input);
@@ -230,7 +248,7 @@ TEST(StreamedDetectorViews, AreThoseOfMemoryWhereverTheyAreAskedFor) {
   const std::shared_ptr<const SampleViews> some = streamed.fetched(asked);
   EXPECT_EQ(some->size(), 2);
   const auto view_of = [&](const SampleViews& views, std::int64_t index) {
-    std::vector<float> numbers(kDetectorInputs * 64 * 48 + kMostLabelledHands * kHandNumbers);
+    std::vector<float> numbers(kMeasuredInputs * 64 * 48 + kMostLabelledHands * kHandNumbers);
     const std::size_t inputs = numbers.size() - kMostLabelledHands * kHandNumbers;
     Random random(9);
     views.view(index, random, std::span(numbers).first(inputs), std::span(numbers).subspan(inputs));
@@ -253,16 +271,7 @@ TEST_F(DetectorTraining, LearnsToFindMadeUpHands) {
   options.validate_every = 125;
   options.learning_rate.learning_rate = 1e-2;
   options.average_decay = 0.9;
-  const DetectorAugmentation still{.mirrored_share = 0,
-                                   .zoom = 0,
-                                   .shift_cells = 0,
-                                   .rotation_deg = 0,
-                                   .noise_per_m = 0,
-                                   .missing_share = 0,
-                                   .erased_discs = 0,
-                                   .erased_cells = 0,
-                                   .cut_share = 0};
-  const auto metrics = train_detector(small_detector(), options, still, samples_, samples_,
+  const auto metrics = train_detector(small_detector(), options, kAsTheyAre, samples_, samples_,
                                       testing::run_in(folder_.path(), "hands"));
   EXPECT_LT(metrics.back().training_loss, metrics.front().training_loss);
   EXPECT_GE(metrics.back().validation[kRecall], 0.99);

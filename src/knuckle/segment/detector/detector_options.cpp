@@ -15,10 +15,11 @@ void DetectorOptions::visit(OptionVisitor& visitor) {
   visitor.integer("sixteenth_channels", sixteenth_channels, closed(1, 1024));
   visitor.integer("head_channels", head_channels, closed(1, 1024));
   visitor.integer("blocks", blocks, closed(1, 16));
+  visitor.flag("relief", relief);
 }
 
 EncoderDecoderShape DetectorOptions::shape() const {
-  return {.inputs = kDetectorInputs,
+  return {.inputs = inputs(),
           .stem = stem_channels,
           .quarter = quarter_channels,
           .eighth = eighth_channels,

@@ -9,6 +9,9 @@
 
 namespace knuckle {
 
+inline constexpr int kMeasuredInputs = 2;  ///< inverse depth, and how much of the cell was measured
+inline constexpr int kReliefInputs = 2;    ///< how far a cell stands out from what is near, and farther about
+
 /// What a detector's network sees, and its channels: all that is needed to build it. Kept in its file.
 struct DetectorOptions {
   int width = 128;  ///< of the small picture; a multiple of 16, [16, 1024] [cells]
@@ -21,17 +24,17 @@ struct DetectorOptions {
   int sixteenth_channels = 96;  ///< [1, 1024]
   int head_channels = 32;       ///< before the maps, [1, 1024]
   int blocks = 1;               ///< residual blocks per stage, [1, 16]
+  bool relief = false;          ///< it is shown how far each cell stands out, too (`write_reliefs`)
 
   void visit(OptionVisitor& visitor);
   EncoderDecoderShape shape() const;
+  int inputs() const { return kMeasuredInputs + (relief ? kReliefInputs : 0); }
   int map_width() const { return width / kMapStride; }
   int map_height() const { return height / kMapStride; }
 };
 
 /// Throws an Error that starts with `what` where an option is out of range or a size not a multiple of 16.
 void check(const DetectorOptions& options, std::string_view what);
-
-inline constexpr int kDetectorInputs = 2;  ///< inverse depth, and how much of the cell was measured
 
 // Channels of the maps that come out. All are of the hand whose centre lies in (or near) the cell.
 inline constexpr int kHeatMap = 0;     ///< logit: is there a hand's centre?

@@ -4,21 +4,35 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "knuckle/core/error.h"
+#include "knuckle/segment/detector/detector_relief.h"
 
 namespace knuckle {
 namespace {
 
-void write_input(const DetectorInput& input, FeatureMap& map) {
+/// Writes one number of each pixel.
+void write_plane(std::span<const float> plane, int channel, FeatureMap& map) {
+  const int inputs = map.channels();
   for (int row = 0; row < map.height(); ++row) {
-    const float* const inverse_depths = input.inverse_depth.row(row).data();
-    const float* const shares = input.measured_share.row(row).data();
-    float* const to = map.pixel(row, 0);
-    for (int column = 0; column < map.width(); ++column) {
-      to[kDetectorInputs * column] = inverse_depths[column];
-      to[kDetectorInputs * column + 1] = shares[column];
-    }
+    const float* const from = plane.data() + static_cast<std::size_t>(row) * map.width();
+    float* const to = map.pixel(row, 0) + channel;
+    for (int column = 0; column < map.width(); ++column) to[inputs * column] = from[column];
+  }
+}
+
+void write_input(const DetectorOptions& options, const DetectorInput& input, FeatureMap& map) {
+  const std::span<const float> inverse_depth = input.inverse_depth.pixels();
+  write_plane(inverse_depth, 0, map);
+  write_plane(input.measured_share.pixels(), 1, map);
+  if (!options.relief) return;
+  std::vector<float> reliefs(inverse_depth.size() * kReliefInputs);
+  write_reliefs(options, inverse_depth, reliefs);
+  for (int i = 0; i < kReliefInputs; ++i) {
+    write_plane(std::span(reliefs).subspan(i * inverse_depth.size(), inverse_depth.size()),
+                kMeasuredInputs + i, map);
   }
 }
 
@@ -48,7 +62,7 @@ HandDetector::HandDetector(const DetectorWeights& weights)
 
 DetectorMaps HandDetector::maps_of(const DetectorInput& input) const {
   DetectorMaps maps = pool_.with_workspace([&](EncoderDecoder::Maps& work) {
-    write_input(input, work.input);
+    write_input(options_, input, work.input);
     network_.apply(work);
     return maps_in(work.maps);
   });
