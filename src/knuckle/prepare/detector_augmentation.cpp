@@ -23,8 +23,8 @@ struct Middle {
 };
 
 /// The cells of a picture whose distance to (u, v) is at most `radius`, in a square around them.
-struct Surroundings {
-  Surroundings(const DetectorOptions& options, double u, double v, double radius)
+struct CellsAround {
+  CellsAround(const DetectorOptions& options, double u, double v, double radius)
       : left(first(u - radius, options.width)),
         right(first(u + radius + 1.0, options.width)),
         top(first(v - radius, options.height)),
@@ -57,7 +57,7 @@ void lose_cells(const DetectorOptions& options, std::span<float> input, const Is
 /// Forgets the cells nearer than `radius` to (u, v).
 void lose_disc(const DetectorOptions& options, std::span<float> input, double u, double v, double radius) {
   const std::size_t cells = input.size() / kMeasuredInputs;
-  const Surroundings near(options, u, v, radius);
+  const CellsAround near(options, u, v, radius);
   for (int row = near.top; row < near.bottom; ++row) {
     for (int column = near.left; column < near.right; ++column) {
       if (std::hypot(column - u, row - v) >= radius) continue;
@@ -177,7 +177,7 @@ void excuse_unseen_hands(const DetectorOptions& options, std::span<const float> 
         kExtentUnitMm / kMillimetresPerMetre * std::exp(static_cast<double>(hand[kHandExtent]));
     const double radius = options.focal_cells * extent_m / depth_m;
     int seen = 0;
-    const Surroundings near(options, hand[kHandU], hand[kHandV], radius);
+    const CellsAround near(options, hand[kHandU], hand[kHandV], radius);
     for (int row = near.top; row < near.bottom; ++row) {
       for (int column = near.left; column < near.right; ++column) {
         if (std::hypot(column - hand[kHandU], row - hand[kHandV]) > radius) continue;
