@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -22,6 +23,9 @@ constexpr double kNoHand = 0.05;
 
 /// What the network that judges the side is shown [degrees].
 constexpr std::array<double, 3> kTurnsForTheSide = {0.0, -30.0, 30.0};
+
+/// Beyond a half: what the straight look says so clearly needs no other look.
+constexpr double kClear = 0.495;
 
 HandPatch turned_by(const HandPatch& patch, double angle_deg) {
   return {turned_by(patch.pixels, angle_deg * kDegree, kCubeBackground), patch.geometry, patch.camera};
@@ -111,6 +115,10 @@ PatchPose SurestEstimator::sided(const HandPatch& patch, PatchPose seen) const {
     const PatchPose look =
         estimators_.back()->estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
     if (!look.right_hand) return seen;
+    if (turn_deg == 0.0 && std::abs(*look.right_hand - 0.5) > kClear) {
+      seen.right_hand = look.right_hand;
+      return seen;
+    }
     odds += log_odds(*look.right_hand) / std::ssize(kTurnsForTheSide);
   }
   seen.right_hand = logistic(odds);

@@ -50,7 +50,8 @@ class SurestEstimator final : public Estimator {
   /// Asks the last, unless somebody said already whether it is a hand; the pose stays.
   PatchPose judged(const HandPatch& patch, PatchPose seen) const override;
   /// The side is what the last one says of three looks at the patch, straight and turned by 30 degrees to
-  /// both sides: the mean of the logarithms of their odds. Where it cannot tell, it stays as it is.
+  /// both sides: the mean of the logarithms of their odds. The straight look alone where that is sure
+  /// (0.995). Where it cannot tell, the side stays as it is.
   PatchPose sided(const HandPatch& patch, PatchPose seen) const override;
   /// The mean of the pose and of that which the same network sees in the patch turned by `second_look_deg`,
   /// each joint weighted by its confidence; confidences are plain means.

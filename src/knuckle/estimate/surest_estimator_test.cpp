@@ -308,6 +308,18 @@ TEST(SurestEstimator, TheSideIsWhatTheLastSaysOfThreeLooks) {
   EXPECT_NEAR(angles_deg[2] - angles_deg[0], 30.0, 12.0);
 }
 
+TEST(SurestEstimator, AClearSideNeedsNoOtherLook) {
+  for (const double clear : {0.997, 0.003, 0.99}) {
+    int asked = 0;
+    std::vector<std::unique_ptr<Estimator>> estimators;
+    estimators.push_back(std::make_unique<KnownPose>(1.0, 0.7f, 0.2));
+    estimators.push_back(std::make_unique<KnownPose>(2.0, 0.7f, clear, &asked));
+    const PatchPose sided = SurestEstimator(std::move(estimators), {}).sided(hill(6, 6), {});
+    EXPECT_NEAR(*sided.right_hand, clear, 1e-9);
+    EXPECT_EQ(asked, clear == 0.99 ? 3 : 1);
+  }
+}
+
 TEST(SurestEstimator, TheSideStaysWhereTheLastCannotTellIt) {
   std::vector<std::unique_ptr<Estimator>> estimators;
   estimators.push_back(std::make_unique<KnownPose>(1.0, 0.7f, 0.2));
