@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
+#include <utility>
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/error.h"
@@ -102,17 +104,27 @@ LabelledHands hand_numbers(const std::vector<HandToDetect>& hands, const Detecto
   return numbers;
 }
 
-DetectorFrames::DetectorFrames(const std::string& source, const DetectorOptions& options, std::int64_t most)
-    : source_(open_source(source)),
-      options_(options),
-      count_(most > 0 ? std::min(most, source_->size()) : source_->size()),
-      views_(
-          [options](const Camera& camera) { return std::make_shared<const DetectorView>(options, camera); }) {
-  if (!source_->convention()) fail("{}: the source has no truth to train on", source);
+void DetectorSource::visit(OptionVisitor& visitor) {
+  visitor.integer("most", most, closed(0, 1e9));
+}
+
+DetectorFrames::DetectorFrames(std::span<const DetectorSource> sources, const DetectorOptions& options)
+    : options_(options), views_([options](const Camera& camera) {
+        return std::make_shared<const DetectorView>(options, camera);
+      }) {
+  for (const DetectorSource& set : sources) {
+    Part part{open_source(set.source), count_, 0};
+    if (!part.source->convention()) fail("{}: the source has no truth to train on", set.source);
+    const std::int64_t all = part.source->size();
+    part.count = set.most > 0 ? std::min<std::int64_t>(set.most, all) : all;
+    count_ += part.count;
+    parts_.push_back(std::move(part));
+  }
 }
 
 void DetectorFrames::put(std::int64_t number, DetectorSamples& to, std::int64_t place) const {
-  const Frame frame = source_->read(number * source_->size() / count_);
+  const Part& part = *std::prev(std::ranges::upper_bound(parts_, number, {}, &Part::first));
+  const Frame frame = part.source->read((number - part.first) * part.source->size() / part.count);
   const std::shared_ptr<const DetectorView> view = views_.of(frame.camera);
   to.set(place, view->shrink(frame.depth_mm), hand_numbers(hands_to_detect(frame), *view));
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "knuckle/core/frame.h"
+#include "knuckle/core/options.h"
 #include "knuckle/data/frame_source.h"
 #include "knuckle/segment/camera_cache.h"
 #include "knuckle/segment/detector/detector_view.h"
@@ -80,12 +81,20 @@ class DetectorSamples {
 /// The numbers of a frame's hands in a view of its camera.
 LabelledHands hand_numbers(const std::vector<HandToDetect>& hands, const DetectorView& view);
 
-/// Frames of a source as samples, read and shrunk each time that they are asked for. Frames without a hand
-/// are samples too. Safe to be used by many threads at once.
+/// A set of frames that a detector learns from.
+struct DetectorSource {
+  std::string source = {};  ///< as `open_source` takes it
+  int most = 0;             ///< Frames used at most, evenly spread, [0, 1e9]; 0: all
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// Frames of one or more sources, one after another, as samples, read and shrunk each time that they are
+/// asked for. Frames without a hand are samples too. Safe to be used by many threads at once.
 class DetectorFrames {
  public:
-  /// `most` frames at most, evenly spread; 0: all. Throws an Error where the source has no truth.
-  DetectorFrames(const std::string& source, const DetectorOptions& options, std::int64_t most);
+  /// Throws an Error where a source has no truth.
+  DetectorFrames(std::span<const DetectorSource> sources, const DetectorOptions& options);
 
   const DetectorOptions& options() const { return options_; }
   std::int64_t size() const { return count_; }
@@ -94,9 +103,16 @@ class DetectorFrames {
   void put(std::int64_t number, DetectorSamples& to, std::int64_t place) const;
 
  private:
-  std::unique_ptr<const FrameSource> source_;
+  /// The samples of a source, the first of which has the number `first`.
+  struct Part {
+    std::unique_ptr<const FrameSource> source;
+    std::int64_t first;
+    std::int64_t count;
+  };
+
+  std::vector<Part> parts_;
   DetectorOptions options_;
-  std::int64_t count_;
+  std::int64_t count_ = 0;
   mutable CameraCache<DetectorView> views_;
 };
 

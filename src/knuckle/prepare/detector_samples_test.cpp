@@ -52,7 +52,8 @@ TEST(DetectorSamplesOfASource, WithoutTruthAreRefused) {
   writer.write(0, blank_frame(quarter_vga_camera()));
   writer.finish();
   EXPECT_THAT(
-      testing::error_of([&] { DetectorFrames("folder:" + (folder / "set").string(), {}, 0); }),
+      testing::error_of(
+          [&] { DetectorFrames(std::vector<DetectorSource>{{"folder:" + (folder / "set").string()}}, {}); }),
       ::testing::AllOf(::testing::HasSubstr("folder:"), ::testing::HasSubstr("no truth to train on")));
 }
 
@@ -185,8 +186,7 @@ TEST(DetectorViews, FaultsKeepNumbersInTheirRanges) {
 
 TEST(DetectorSamples, OfAManifestAreTheSameOnAnyNumberOfThreads) {
   const DetectorOptions options{.width = 64, .height = 48, .focal_cells = 43.0};
-  const std::string source = "synthetic:manifests/demo.toml";
-  const DetectorFrames frames(source, options, 6);
+  const DetectorFrames frames(std::vector<DetectorSource>{{"synthetic:manifests/demo.toml", 6}}, options);
   const DetectorSamples samples = samples_of(frames);
   const DetectorSamples again = samples_of(frames);
   ASSERT_EQ(samples.size(), 6);
@@ -194,6 +194,21 @@ TEST(DetectorSamples, OfAManifestAreTheSameOnAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(samples.sample(i).codes, again.sample(i).codes));
     EXPECT_EQ(samples.sample(i).hands[kHandCounts], 1.0f);
     EXPECT_TRUE(std::isfinite(samples.sample(i).hands[kHandSide]));
+  }
+}
+
+TEST(DetectorFrames, OfSeveralSourcesAreTheirsOneAfterAnother) {
+  const DetectorOptions options{.width = 64, .height = 48, .focal_cells = 43.0};
+  const DetectorSource demo{"synthetic:manifests/demo.toml", 3};
+  const DetectorSource scenes{"synthetic:manifests/validate_scenes.toml", 2};
+  const DetectorSamples first = samples_of(DetectorFrames({&demo, 1}, options));
+  const DetectorSamples second = samples_of(DetectorFrames({&scenes, 1}, options));
+  const DetectorSamples both = samples_of(DetectorFrames(std::vector{demo, scenes}, options));
+  ASSERT_EQ(both.size(), 5);
+  for (std::int64_t i = 0; i < both.size(); ++i) {
+    const DetectorSample alone = i < 3 ? first.sample(i) : second.sample(i - 3);
+    EXPECT_TRUE(std::ranges::equal(both.sample(i).codes, alone.codes)) << i;
+    EXPECT_TRUE(std::ranges::equal(both.sample(i).measured, alone.measured)) << i;
   }
 }
 

@@ -18,26 +18,6 @@ struct HoldoutBeside {
   void visit(OptionVisitor& visitor) { visitor.real("holdout", share, kHoldoutRange); }
 };
 
-/// The tables `[[source]]`; none where the key is missing, or something else stands under it.
-std::vector<OptionTable> source_tables(const OptionTable& document) {
-  try {
-    return document.tables(kKey);
-  } catch (const Error&) {
-    return {};  // who reads it as a text says what is wrong with it
-  }
-}
-
-std::string text_of_one_set(const OptionTable& document) {
-  try {
-    return source_in(document, kKey);
-  } catch (const Error&) {
-    if (!document.has(kKey)) throw;
-    document.fail_at(kKey,
-                     "expected a text (KIND:PATH), or where there are several sets a table [[source]] for "
-                     "each");
-  }
-}
-
 }  // namespace
 
 void TrainingSource::visit(OptionVisitor& visitor) {
@@ -49,16 +29,35 @@ void TrainingSource::visit(OptionVisitor& visitor) {
   visitor.integer("most_things", most_things, closed(0, 1e9));
 }
 
+std::vector<OptionTable> source_tables_in(const OptionTable& document) {
+  try {
+    return document.tables(kKey);
+  } catch (const Error&) {
+    return {};  // who reads it as a text says what is wrong with it
+  }
+}
+
+std::string one_source_in(const OptionTable& document) {
+  try {
+    return source_in(document, kKey);
+  } catch (const Error&) {
+    if (!document.has(kKey)) throw;
+    document.fail_at(kKey,
+                     "expected a text (KIND:PATH), or where there are several sets a table [[source]] for "
+                     "each");
+  }
+}
+
 std::vector<TrainingSource> training_sources_in(const OptionTable& document, const TrainingSource& defaults) {
   std::vector<TrainingSource> sources;
-  for (const OptionTable& table : source_tables(document)) {
+  for (const OptionTable& table : source_tables_in(document)) {
     TrainingSource& source = sources.emplace_back(defaults);
     source.source = source_in(table, kKey);
     table.read(source);
   }
   if (!sources.empty()) return sources;
   TrainingSource& one = sources.emplace_back(defaults);
-  one.source = text_of_one_set(document);
+  one.source = one_source_in(document);
   HoldoutBeside beside{one.holdout};
   document.read(beside);
   return sources;

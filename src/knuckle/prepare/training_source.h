@@ -36,6 +36,12 @@ struct TrainingSource {
   void visit(OptionVisitor& visitor);
 };
 
+/// The tables `[[source]]` of a configuration, each a set; none where there is one set, which is a text.
+std::vector<OptionTable> source_tables_in(const OptionTable& document);
+/// The one set of a configuration, its key `source`. Throws an Error that says what both forms look like
+/// where it is neither.
+std::string one_source_in(const OptionTable& document);
+
 /// Reads the sets of a configuration: its key `source`, and `holdout` beside it where that is a text.
 /// `defaults` are the options of a table that does not say them, and of the one set. Throws an Error that
 /// names file, line and key where something is wrong.

@@ -7,6 +7,7 @@
 
 #include "knuckle/core/error.h"
 #include "knuckle/prepare/open_source.h"
+#include "knuckle/prepare/training_source.h"
 #include "knuckle/training/detector_training_task.h"
 
 namespace knuckle {
@@ -52,6 +53,17 @@ void check_sizes(const DetectorOptions& network, std::int64_t training, std::int
   if (validation == 0) fail("training: there is no sample to validate on");
 }
 
+/// The tables `[[source]]`, of which each may say `most`; or the one source.
+std::vector<DetectorSource> sources_of(const OptionTable& document, int most) {
+  std::vector<DetectorSource> sources;
+  for (const OptionTable& table : source_tables_in(document)) {
+    DetectorSource& source = sources.emplace_back(DetectorSource{source_in(table, "source"), most});
+    table.read(source);
+  }
+  if (sources.empty()) sources.push_back({one_source_in(document), most});
+  return sources;
+}
+
 }  // namespace
 
 void DetectorSampleOptions::visit(OptionVisitor& visitor) {
@@ -68,11 +80,11 @@ bool is_of_detector(const std::filesystem::path& config) {
 DetectorTrainingConfig DetectorTrainingConfig::load(const std::filesystem::path& path) {
   const OptionTable document = OptionTable::load(path);
   DetectorTrainingConfig config;
-  config.source = source_in(document, "source");
-  config.validation = source_in(document, "validation");
   const std::string initial = document.text_or("initial", "");
   if (!initial.empty()) config.initial = document.resolved_path(initial);
   document.table("samples").read(config.samples);
+  config.sources = sources_of(document, config.samples.most);
+  config.validation = {source_in(document, "validation"), config.samples.most_validation};
   static constexpr std::array kKnown{kDetectorArchitecture};
   document.table("network").choice_or("architecture", kDetectorArchitecture, kKnown);
   document.table("network").read(config.network);
@@ -108,8 +120,8 @@ std::vector<TrainingMetrics> train_detector(const DetectorOptions& network,
 
 std::vector<TrainingMetrics> run_detector_training(const DetectorTrainingConfig& config,
                                                    const NetworkTrainingRun& run) {
-  const DetectorFrames training(config.source, config.network, config.samples.most);
-  const DetectorFrames validating(config.validation, config.network, config.samples.most_validation);
+  const DetectorFrames training(config.sources, config.network);
+  const DetectorFrames validating({&config.validation, 1}, config.network);
   NetworkTrainingRun begun = run;
   begun.initial = config.initial;
   if (config.samples.stream) {

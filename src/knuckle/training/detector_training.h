@@ -30,7 +30,7 @@ inline constexpr std::array<std::string_view, kDetectorScores> kDetectorScoreNam
 
 /// Which frames of the sources a detector learns from: the `[samples]` table.
 struct DetectorSampleOptions {
-  int most = 0;             ///< Frames of `source` used at most, evenly spread, [0, 1e9]; 0: all
+  int most = 0;             ///< Frames of each source used at most, evenly spread, [0, 1e9]; 0: all
   int most_validation = 0;  ///< The same of `validation`
   double memory_gb = 8.0;   ///< More than that is an error, (0, 10000]
   /// Frames are read each time that they are needed, and kept nowhere; those of the validation are in memory.
@@ -41,16 +41,17 @@ struct DetectorSampleOptions {
 
 /// A configuration of `train network` whose `[network]` has the architecture "detector".
 ///
-///     source = "synthetic:../manifests/train_network.toml"  # any source with truth; a relative path starts
-///     here validation = "synthetic:../manifests/validate_network.toml"  # frames that are not trained on
+///     source = "synthetic:../manifests/train_network.toml"  # with truth; a relative path starts here;
+///                                   # several are tables [[source]], DetectorSource: each frame counts once
+///     validation = "synthetic:../manifests/validate_network.toml"  # frames that are not trained on
 ///     initial = "../models/detector.pt"  # begin with its weights; without this line with random ones
 ///     [samples]                     # DetectorSampleOptions
 ///     [network]                     # architecture = "detector", and DetectorOptions
 ///     [augmentation]                # DetectorAugmentation
 ///     [training]                    # NetworkTrainingOptions
 struct DetectorTrainingConfig {
-  std::string source;
-  std::string validation;
+  std::vector<DetectorSource> sources;
+  DetectorSource validation;
   std::filesystem::path initial;  ///< empty: random weights
   DetectorSampleOptions samples;
   DetectorOptions network;

@@ -137,6 +137,8 @@ void make_detector_like_trained(DetectorNetwork& network) {
   network.eval();
 }
 
+const std::string kDemo = "synthetic:manifests/demo.toml";
+
 /// Views are the samples themselves.
 constexpr DetectorAugmentation kAsTheyAre{.mirrored_share = 0,
                                           .zoom = 0,
@@ -225,7 +227,7 @@ TEST_F(DetectorTraining, GivesTheSameBytesOnAnyNumberOfThreadsAndAfterAStop) {
 }
 
 TEST_F(DetectorTraining, OfFramesThatAreReadWhenNeededGivesTheBytesOfMemory) {
-  const DetectorFrames frames("synthetic:manifests/demo.toml", small_detector(), 7);
+  const DetectorFrames frames(std::vector<DetectorSource>{{kDemo, 7}}, small_detector());
   const DetectorSamples in_memory = samples_of(frames);
   train_detector(small_detector(), short_training(), {}, in_memory, samples_,
                  testing::run_in(folder_.path(), "memory"));
@@ -238,7 +240,7 @@ TEST_F(DetectorTraining, OfFramesThatAreReadWhenNeededGivesTheBytesOfMemory) {
 }
 
 TEST(StreamedDetectorViews, AreThoseOfMemoryWhereverTheyAreAskedFor) {
-  const DetectorFrames frames("synthetic:manifests/demo.toml", small_detector(), 5);
+  const DetectorFrames frames(std::vector<DetectorSource>{{kDemo, 5}}, small_detector());
   const DetectorSamples in_memory = samples_of(frames);
   const DetectorSampleViews expected(in_memory, {});
   const StreamedDetectorViews streamed(frames, {}, 2);
@@ -307,8 +309,9 @@ TEST_F(DetectorTraining, NeedsSamplesAndRoomForThem) {
   EXPECT_THAT(error_of([&] { train_detector(small_detector(), short_training(), {}, samples_, none, run); }),
               HasSubstr("no sample to validate on"));
   DetectorTrainingConfig config;
-  config.source = config.validation = "synthetic:manifests/demo.toml";
-  config.samples = {.most = 2, .most_validation = 1, .memory_gb = 1e-6};
+  config.sources = {{kDemo, 1}, {kDemo, 1}};
+  config.validation = {kDemo, 1};
+  config.samples.memory_gb = 1e-6;
   EXPECT_THAT(error_of([&] { run_detector_training(config, run); }),
               AllOf(HasSubstr("3 samples take"), HasSubstr("more than memory_gb, 1e-06")));
   config.samples.stream = true;
@@ -361,6 +364,35 @@ TEST(DetectorTrainingConfig, IsReadStrictly) {
   EXPECT_THAT(fault("[network]\nkernel = 2"), AllOf(HasSubstr("c.toml:4"), HasSubstr("kernel")));
   EXPECT_THAT(fault("[augmentation]\nzoom = 3"), HasSubstr("zoom"));
   EXPECT_THAT(fault("[patch]\nsize_px = 3"), HasSubstr("patch"));
+}
+
+TEST(DetectorTrainingConfig, TakesSeveralSources) {
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& text) {
+    write_text_file(folder / "c.toml", text);
+    return DetectorTrainingConfig::load(folder / "c.toml");
+  };
+  const std::string validation = "validation = 'synthetic:v.toml'\n";
+  const std::string most = "[samples]\nmost = 9\nmost_validation = 4\n";
+  const DetectorTrainingConfig config =
+      load(validation +
+           "[[source]]\nsource = 'folder:a'\n[[source]]\nsource = 'synthetic:b.toml'\nmost = 3\n" + most);
+  ASSERT_EQ(config.sources.size(), 2U);
+  EXPECT_THAT(config.sources[0].source, ::testing::EndsWith("/a"));
+  EXPECT_EQ(config.sources[0].most, 9);
+  EXPECT_THAT(config.sources[1].source, ::testing::EndsWith("/b.toml"));
+  EXPECT_EQ(config.sources[1].most, 3);
+  EXPECT_EQ(config.validation.most, 4);
+  const DetectorTrainingConfig one = load("source = 'folder:a'\n" + validation + most);
+  ASSERT_EQ(one.sources.size(), 1U);
+  EXPECT_EQ(one.sources[0].most, 9);
+  EXPECT_THAT(error_of([&] { load(validation); }), HasSubstr("source"));
+  EXPECT_THAT(error_of([&] { load("source = 3\n" + validation); }), HasSubstr("a table [[source]] for each"));
+  EXPECT_THAT(error_of([&] { load(validation + "[[source]]\nsource = 'folder:a'\nmost = -1\n"); }),
+              HasSubstr("most"));
+  EXPECT_THAT(error_of([&] { load(validation + "[[source]]\nsource = 'folder:a'\nweight = 2\n"); }),
+              HasSubstr("weight"))
+      << "each frame counts once";
 }
 
 }  // namespace
