@@ -115,6 +115,18 @@ void add_contact(const SurfaceContact& contact, const GapPenalty& gap, double we
   add_square(movers, row.data(), contact.gap_mm, weight * gap.weight, result);
 }
 
+/// Derivatives of one coordinate of the way between two landmarks by what moves them.
+std::array<double, kSkeletonUnknowns> bone_row(const PoseJacobian& jacobian, const Movers& movers,
+                                               std::size_t from, std::size_t to, int axis) {
+  std::array<double, kSkeletonUnknowns> row;
+  for (int k = 0; k < movers.count; ++k) {
+    const int unknown = movers.unknowns[static_cast<std::size_t>(k)];
+    row[static_cast<std::size_t>(k)] = jacobian(3 * static_cast<int>(to) + axis, unknown) -
+                                       jacobian(3 * static_cast<int>(from) + axis, unknown);
+  }
+  return row;
+}
+
 }  // namespace
 
 Points landmarks(const HandSkeleton& skeleton, const SkeletonPose& pose, PoseJacobian& jacobian) {
@@ -168,6 +180,9 @@ double SkeletonEnergy::at(const SkeletonPose& pose) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (is_known(targets_[i])) energy += 0.5 * weight(i) * miss_of(targets_[i], points[i]).squared;
   }
+  for_each_bone([&](std::size_t from, std::size_t to, double weight) {
+    energy += 0.5 * weight * bone_miss(points, from, to).squaredNorm();
+  });
   for_each_contact(points, pose.size, [&](const SurfaceContact&, const GapPenalty& gap, double weight) {
     energy += weight * gap.value;
   });
@@ -197,6 +212,13 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
     if (targets_[i].depth_weight != 1.0)
       add(miss.sight, miss.along_mm, weight(i) * (targets_[i].depth_weight - 1.0));
   }
+  for_each_bone([&](std::size_t from, std::size_t to, double weight) {
+    const Eigen::Vector3d miss = bone_miss(points, from, to);
+    const auto both = merged(movers[from], movers[to]);
+    result.energy += 0.5 * weight * miss.squaredNorm();
+    for (int axis = 0; axis < 3; ++axis)
+      add_square(both, bone_row(jacobian, both, from, to, axis).data(), miss[axis], weight, result);
+  });
   std::array<Movers, kFleshCount> movers_of_flesh;
   for (std::size_t i = 0; i < kFleshCount; ++i) {
     const HandFlesh& flesh = hand_flesh()[i];
@@ -274,6 +296,24 @@ void SkeletonEnergy::add_prior(const SkeletonPose& pose, Linearised& result) con
     add_factor(kLengthColumn + i, pose.lengths[i / 3][i % 3], options_.lengths[i / 3][i % 3],
                options_.length_spread);
   }
+}
+
+template <class Visit>
+void SkeletonEnergy::for_each_bone(const Visit& visit) const {
+  if (options_.bone_mm == 0.0) return;
+  for (int digit = 0; digit < 5; ++digit) {
+    for (int bone = 0; bone < 3; ++bone) {
+      const auto from = static_cast<std::size_t>(landmark_of_digit(digit, bone));
+      const auto to = static_cast<std::size_t>(landmark_of_digit(digit, bone + 1));
+      if (!is_known(targets_[from]) || !is_known(targets_[to])) continue;
+      const double weight = std::sqrt(targets_[from].weight * targets_[to].weight);
+      visit(from, to, weight / (options_.bone_mm * options_.bone_mm));
+    }
+  }
+}
+
+Eigen::Vector3d SkeletonEnergy::bone_miss(const Points& points, std::size_t from, std::size_t to) const {
+  return (points[to] - points[from]) - (targets_[to].point - targets_[from].point);
 }
 
 template <class Visit>

@@ -62,6 +62,12 @@ class SkeletonEnergy {
   double weight(std::size_t landmark) const;
   double prior_of(const SkeletonPose& pose) const;
   void add_prior(const SkeletonPose& pose, Linearised& result) const;
+  /// Calls `visit` with the two landmarks of each bone of the digits whose ends are known, and its weight.
+  template <class Visit>
+  void for_each_bone(const Visit& visit) const;
+  /// How much a bone differs from what lies between its targets [mm].
+  Eigen::Vector3d bone_miss(const std::array<Point3, kSupersetSize>& points, std::size_t from,
+                            std::size_t to) const;
   template <class Visit>
   void for_each_contact(const std::array<Point3, kSupersetSize>& points, double size,
                         const Visit& visit) const;

@@ -97,6 +97,8 @@ TEST(SkeletonEnergy, ItsGradientIsThatOfFiniteDifferences) {
     };  // half of it floats
     SkeletonFitOptions options;
     options.expected = resting_hand();
+    options.bone_mm = trial % 2 == 0 ? 3.0 : 0.0;
+    targets[7].point.x() = kNaN;
     const SkeletonEnergy energy(adult_skeleton(), targets, surface, options);
     const Linearised at = energy.linearised(pose);
     EXPECT_NEAR(at.energy, energy.at(pose), 1e-9 * at.energy);
@@ -108,6 +110,56 @@ TEST(SkeletonEnergy, ItsGradientIsThatOfFiniteDifferences) {
       EXPECT_NEAR(at.gradient[unknown], slope, 1e-6 * at.gradient.norm()) << "unknown " << unknown;
     }
   }
+}
+
+TEST(SkeletonEnergy, BonesAreComparedWithTheWayBetweenTheirTargets) {
+  Random random(12);
+  const SkeletonPose pose = some_hand(random);
+  const Points points = landmarks(adult_skeleton(), pose);
+  LandmarkTargets targets;  // all unknown but three
+  const auto set = [&](Landmark landmark, const Point3& away, double weight) {
+    const auto i = static_cast<std::size_t>(landmark);
+    targets[i] = {points[i] + away, weight};
+  };
+  set(Landmark::ring_mcp, {1.0, 0.0, 0.0}, 1.0);
+  set(Landmark::ring_pip, {4.0, 0.0, 0.0}, 0.25);
+  set(Landmark::ring_tip, {9.0, 9.0, 9.0}, 1.0);  // its neighbour is not known
+  const auto energy_of = [&](double bone_mm) {
+    const SkeletonFitOptions options{.bone_mm = bone_mm};
+    return SkeletonEnergy(adult_skeleton(), targets, {}, options).at(pose);
+  };
+  // One bone, 3 mm off; its weight is the root of 1 times 0.25.
+  EXPECT_NEAR(energy_of(2.0) - energy_of(0.0), 0.5 * 0.5 * 9.0 / 4.0, 1e-9);
+  set(Landmark::ring_pip, {1.0, 0.0, 0.0}, 0.25);
+  EXPECT_NEAR(energy_of(2.0), energy_of(0.0), 1e-9) << "both are off by the same";
+}
+
+TEST(SkeletonFit, ADigitThatIsSeenBesideItsPlaceKeepsItsBend) {
+  Random random(13);
+  double bent_mm = 0.0;
+  double kept_mm = 0.0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const SkeletonPose truth = some_hand(random);
+    const Points points = landmarks(adult_skeleton(), truth);
+    LandmarkTargets targets;
+    for (int i = 0; i < kSupersetSize; ++i) targets[i].point = points[i];
+    const auto first = static_cast<int>(Landmark::middle_mcp);
+    const Point3 away = 8.0 * random_direction(random);
+    for (int i = first; i < first + 4; ++i) targets[i].point += away;
+    const auto error_of = [&](double bone_mm) {
+      const SkeletonFitOptions options{.bone_mm = bone_mm,
+                                       .size = truth.size,
+                                       .size_spread = 0.0,
+                                       .lengths = truth.lengths,
+                                       .length_spread = 0.0};
+      const auto fit = fit_skeleton(adult_skeleton(), targets, options, truth, {skin_of(truth, random, 20)});
+      const Points fitted = landmarks(adult_skeleton(), fit->pose);
+      return ((fitted[first + 3] - fitted[first + 1]) - (points[first + 3] - points[first + 1])).norm();
+    };
+    bent_mm += error_of(0.0);
+    kept_mm += error_of(2.0);
+  }
+  EXPECT_LT(kept_mm, 0.9 * bent_mm);
 }
 
 TEST(PosedFlesh, TheNearestSkinIsThatOfAllSpheresAlongAllPieces) {
@@ -237,6 +289,8 @@ TEST(SkeletonFit, SurfacesAndKnownNumbersAreChecked) {
   };
   using ::testing::HasSubstr;
   EXPECT_THAT(fault({.surface_mm = 0.0}), HasSubstr("surface_mm is 0"));
+  EXPECT_THAT(fault({.bone_mm = -1.0}), HasSubstr("bone_mm is -1"));
+  EXPECT_THAT(fault({.bone_mm = kNaN}), HasSubstr("bone_mm"));
   EXPECT_THAT(fault({.size = -1.0}), HasSubstr("size is -1"));
   EXPECT_THAT(fault({.length_spread = kNaN}), HasSubstr("length_spread"));
   EXPECT_THAT(fault({.expected_rad = 0.0}), HasSubstr("expected_rad is 0"));

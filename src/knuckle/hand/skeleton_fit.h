@@ -37,7 +37,10 @@ using LandmarkTargets = std::array<LandmarkTarget, kSupersetSize>;
 /// What is known of a hand before it is seen: means and deviations of normal distributions, of sizes and
 /// lengths those of their logarithms.
 struct SkeletonFitOptions {
-  double noise_mm = 4.0;                    ///< of a target of weight 1, (0, inf) [mm]
+  double noise_mm = 4.0;  ///< of a target of weight 1, (0, inf) [mm]
+  /// Of the way from one target of a digit to the next, of weight 1, [0, inf) [mm]; 0: it is not asked. An
+  /// estimator's errors are alike along a digit: how that is bent is surer than where it lies.
+  double bone_mm = 0.0;
   double posture_spread = 1.0;              ///< factor on the deviations of PosturePrior, (0, inf)
   std::optional<HandAngles> expected = {};  ///< angles, where a moment before says what they should be
   double expected_rad = 0.2;                ///< of an angle around what is expected, (0, inf) [rad]

@@ -12,6 +12,7 @@ namespace knuckle {
 
 void HandModelOptions::visit(OptionVisitor& visitor) {
   visitor.real("noise_mm", noise_mm, open_closed(0, 1000));
+  visitor.real("bone_mm", bone_mm, closed(0, 1000));
   visitor.real("posture_spread", posture_spread, open_closed(0, 100));
   visitor.real("size_spread", size_spread, closed(0, 1));
   visitor.real("length_spread", length_spread, closed(0, 1));
@@ -25,6 +26,7 @@ HandModel::HandModel(const HandModelOptions& options) : options_(options) {
 
 RefinedHand HandModel::refine(const Frame& frame, const HandRegion& /*hand*/, HandPose pose) const {
   const SkeletonFitOptions options{.noise_mm = options_.noise_mm,
+                                   .bone_mm = options_.bone_mm,
                                    .posture_spread = options_.posture_spread,
                                    .size_spread = options_.size_spread,
                                    .length_spread = options_.length_spread,

@@ -10,10 +10,11 @@ namespace knuckle {
 /// Options of `HandModel`.
 struct HandModelOptions {
   double noise_mm = 4.0;        ///< deviation of a joint of confidence 1, (0, 1000] [mm]
+  double bone_mm = 5.0;         ///< of the way from a digit's joint to the next, [0, 1000] [mm]; 0: not asked
   double posture_spread = 1.0;  ///< factor on how much the angles differ between postures, (0, 100]
   double size_spread = 0.12;    ///< of the hand's size around an adult's, [0, 1]; 0: an adult's
   double length_spread = 0.07;  ///< of the lengths of the digits' bones, [0, 1]; 0: an adult's
-  double surface_mm = 3.0;      ///< of all measured points together from the skin, (0, 1000] [mm]
+  double surface_mm = 2.3;      ///< of all measured points together from the skin, (0, 1000] [mm]
   bool fill = true;             ///< joints that were not found come from the skeleton
 
   void visit(OptionVisitor& visitor);

@@ -126,7 +126,8 @@ TEST(HandModel, AnEmptyFrameLeavesInverseKinematics) {
   for (const float depth : {0.0f, 5000.0f}) {
     Frame frame = frame_of(truth);
     frame.depth_mm = Image<float>(kHandCamera.width, kHandCamera.height, depth);
-    const HandPose model = HandModel({.length_spread = 0.0}).refine(frame, {}, pose_at(truth)).pose;
+    const HandPose model =
+        HandModel({.bone_mm = 0.0, .length_spread = 0.0}).refine(frame, {}, pose_at(truth)).pose;
     const HandPose joints_alone = InverseKinematics({}).refine(frame, {}, pose_at(truth)).pose;
     for (std::size_t i = 0; i < truth.size(); ++i) {
       EXPECT_EQ(model.joints[i].u, joints_alone.joints[i].u) << i;
@@ -184,6 +185,7 @@ TEST(HandModel, ConfidencesOf0AreNoJoints) {
 
 TEST(HandModel, RefusesOptionsOutOfRange) {
   EXPECT_THAT(testing::error_of([] { HandModel({.surface_mm = 0.0}); }), HasSubstr("surface_mm"));
+  EXPECT_THAT(testing::error_of([] { HandModel({.bone_mm = -1.0}); }), HasSubstr("bone_mm"));
   EXPECT_THAT(testing::error_of([] { HandModel({.length_spread = 2.0}); }), HasSubstr("length_spread"));
 }
 

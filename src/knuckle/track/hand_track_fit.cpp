@@ -24,6 +24,8 @@ constexpr double kElsewhereMm = 75.0;  // a hand that is held is no farther from
 /// What postures are likely says little of how one changes; said in full in each frame it would be said over
 /// and over.
 constexpr double kPostureSpread = 2.0;
+constexpr double kBoneMm = 4.0;         // of the way from a digit's joint to the next
+constexpr double kSurfaceMm = 1.7;      // less than where a frame is seen by itself: the last pose is near
 constexpr double kStandstillMm = 12.0;  // deviation of a landmark from where it was a frame before
 
 /// Fitted from `start` on, and from a fresh one where that ends poorly.
@@ -49,7 +51,7 @@ RightHandSight sight_of(const Frame& frame, const LandmarkTargets& targets, Hand
 
 /// What the track's last pose says of the next one.
 SkeletonFitOptions options_after(const HandTrack& track, double now_s) {
-  SkeletonFitOptions options;
+  SkeletonFitOptions options{.bone_mm = kBoneMm, .surface_mm = kSurfaceMm};
   if (!track.pose) return options;
   options.posture_spread = kPostureSpread;
   options.expected = track.pose->angles;

@@ -132,7 +132,7 @@ TEST_F(TrackerTest, BonesKeepTheirLengthOnceThePersonIsKnown) {
 }
 
 TEST_F(TrackerTest, SmoothingTakesTheTremblingAndStrengthSaysHowMuch) {
-  const auto trembling = [&](const TrackerOptions& options, double noise_mm = 1.5) {
+  const auto trembling = [&](const TrackerOptions& options, double noise_mm = 1.0) {
     const Pipeline one = pipeline(1);
     Tracker tracker(one, options);
     world_ = {.hands = {{}}, .noise_mm = noise_mm};
@@ -155,7 +155,7 @@ TEST_F(TrackerTest, SmoothingTakesTheTremblingAndStrengthSaysHowMuch) {
   EXPECT_LT(strong, 0.7 * weak);
   // So little noise is no motion: what is taken of it at rest decides.
   EXPECT_LT(trembling({.smoothing = "one_euro", .strength = 4.0}, 0.05),
-            0.6 * trembling({.smoothing = "one_euro"}, 0.05));
+            0.7 * trembling({.smoothing = "one_euro"}, 0.05));
 }
 
 TEST_F(TrackerTest, TimeThatDoesNotGoOnBeginsANewTrack) {
