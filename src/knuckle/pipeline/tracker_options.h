@@ -15,7 +15,7 @@ struct TrackerOptions {
   double search_every_s =
       0.1;                    ///< how often more hands are looked for while some are followed, [0, 3600] [s]
   double lost_after_s = 0.1;  ///< a hand that was not seen for longer is forgotten, [0, 3600] [s]
-  double learn_s = 1.0;       ///< for so long a person's size is learned, then kept, [0, 3600] [s]
+  double learn_s = 3.0;       ///< for so long a person's size is learned, then kept, [0, 3600] [s]
 
   void visit(OptionVisitor& visitor);
 };

@@ -12,7 +12,7 @@ namespace {
 
 /// What a value says of rest, motion or manoeuvre counts for so much: errors of the parts of one pose are
 /// alike.
-constexpr double kEvidence = 0.1;
+constexpr double kEvidence = 0.05;
 /// None is ever ruled out.
 constexpr double kLeastLikely = 1e-6;
 /// Deviations, all values together, beyond which it is no motion.
