@@ -46,6 +46,8 @@ void HandTrack::move_to(const SkeletonPose& next, double now_s) {
   const bool is_first = !pose;
   const double seconds = is_first ? kDefaultStepSeconds : now_s - seen_s;
   const Point3 next_middle = in_mirror(middle_of(next), side());
+  before_ = {pose, middle, seen_s};
+  leapt_mm = is_first ? 0.0 : (next_middle - middle - shift_until(now_s)).norm();
   if (!is_first) {
     Eigen::Vector3d now = (next_middle - middle) / seconds;
     if (now.norm() > kFastestMmPerSecond) now *= kFastestMmPerSecond / now.norm();
@@ -55,6 +57,14 @@ void HandTrack::move_to(const SkeletonPose& next, double now_s) {
   middle = next_middle;
   pose = next;
   seen_s = now_s;
+}
+
+void HandTrack::take_back() {
+  pose = before_.pose;
+  middle = before_.middle;
+  seen_s = before_.seen_s;
+  velocity.setZero();
+  smoother.reset();
 }
 
 HandSkin HandTrack::skin_at(double now_s) const {

@@ -34,6 +34,8 @@ struct HandTrack {
   bool agree_on_side(HandSide seen, double now_s);
   /// Moves on to the skeleton that was fitted at `now_s`.
   void move_to(const SkeletonPose& next, double now_s);
+  /// Back to before it moved: what it moved to is another hand. It then is lost.
+  void take_back();
 
   /// How far it has moved since it was seen, by its velocity [mm].
   Eigen::Vector3d shift_until(double now_s) const { return velocity * (now_s - seen_s); }
@@ -58,10 +60,20 @@ struct HandTrack {
   PoseSmoother smoother;                  ///< what it was smoothed by
   Point3 middle = Point3::Zero();         ///< of its landmarks, in the camera [mm]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the middle [mm/s]
-  PersonHand person = {};                              ///< what is known of its size and proportions
+  double leapt_mm = 0.0;   ///< how far its last move ended from where its velocity would have taken it
+  PersonHand person = {};  ///< what is known of its size and proportions
 
  private:
+  /// What a move changes.
+  struct Place {
+    std::optional<SkeletonPose> pose = {};
+    Point3 middle = Point3::Zero();
+    double seen_s = 0.0;
+  };
+
   void begin_anew(double now_s);
+
+  Place before_ = {};
 };
 
 }  // namespace knuckle

@@ -87,7 +87,7 @@ std::vector<TrackedHand> Tracker::update(const Frame& frame) {
   step_to(frame);
   follow(frame);
   look_for_more(frame);
-  forget_lost_and_doubled();
+  forget_and_part();
   return hands_seen(frame);
 }
 
@@ -294,16 +294,21 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, HandTrack& 
   return true;
 }
 
-void Tracker::forget_lost_and_doubled() {
-  std::erase_if(tracks_,
-                [&](const HandTrack& track) { return *now_s_ - track.seen_s > options_.lost_after_s; });
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    for (std::size_t j = tracks_.size() - 1; j > i; --j) {  // the older one stays
-      if ((tracks_[i].middle - tracks_[j].middle).norm() < kSameHandMm) {
-        tracks_.erase(tracks_.begin() + static_cast<std::ptrdiff_t>(j));
-      }
+/// Two tracks that end at one hand have been taken to it by one hand passing the other: the one that leapt
+/// there goes back, and is lost.
+void Tracker::forget_and_part() {
+  const auto leapt = [](const HandTrack& one, const HandTrack& other) {
+    return std::pair(one.leapt_mm, one.id) > std::pair(other.leapt_mm, other.id);
+  };
+  for (HandTrack& one : tracks_) {
+    for (const HandTrack& other : tracks_) {
+      if (!one.is_seen_at(*now_s_) || !other.is_seen_at(*now_s_) || !leapt(one, other)) continue;
+      if ((one.middle - other.middle).norm() < kSameHandMm) one.take_back();
     }
   }
+  std::erase_if(tracks_, [&](const HandTrack& track) {
+    return !track.pose || *now_s_ - track.seen_s > options_.lost_after_s;
+  });
 }
 
 std::vector<TrackedHand> Tracker::hands_seen(const Frame& frame) const {

@@ -72,7 +72,7 @@ class Tracker {
   HandTrack* least_trusted();
   HandTrack* lost_near(const Point3& middle);
   std::ptrdiff_t seen_count() const;
-  void forget_lost_and_doubled();
+  void forget_and_part();
   std::vector<Point3> middles_seen() const;
   HandTrack* seen_near(const Point3& middle);
   std::vector<TrackedHand> hands_seen(const Frame& frame) const;

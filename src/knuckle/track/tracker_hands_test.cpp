@@ -127,6 +127,26 @@ TEST_F(SeveralHands, TheForearmOfTheHandBesideIsNoLostHand) {
   }
 }
 
+TEST_F(SeveralHands, ATrackThatLeapsToAnotherOnesHandGoesBack) {
+  for (const std::size_t hidden : {0u, 1u}) {  // the older one, the other one
+    const Pipeline two = pipeline(2);
+    Tracker tracker(two, {.lost_after_s = 1.0});
+    world_.hands = {{{0, 0, kDepthMm}}, {{60, 0, kDepthMm}}};
+    for (int i = 0; i < 20; ++i) {
+      const bool is_hidden = i >= 10 && i < 14;
+      world_.is_found = [&](const Frame&, const std::optional<Point3>&, const TrueHand& hand) {
+        return !is_hidden || hand.middle != world_.hands[hidden].middle;
+      };
+      const std::vector<TrackedHand> hands = tracker.update(frame_at(i / 30.0));
+      ASSERT_EQ(hands.size(), is_hidden ? 1u : 2u) << i;
+      EXPECT_EQ(hands[0].id, is_hidden && hidden == 0 ? 2 : 1) << i;
+      if (!is_hidden) {
+        EXPECT_EQ(hands[1].id, 2) << i;
+      }
+    }
+  }
+}
+
 TEST_F(SeveralHands, OfTwoTracksOfOneHandTheOlderOneStays) {
   const Pipeline three = pipeline(3);
   Tracker tracker(three, {});
