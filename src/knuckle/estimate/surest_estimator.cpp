@@ -83,7 +83,7 @@ double SurestEstimator::sure_confidence() const {
 PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
   Choice choice;
   for (int i = 0; i < std::ssize(estimators_); ++i) {
-    if (choice.confidence >= options_.enough) break;
+    if (i > 0 && choice.confidence >= options_.enough) break;  // the first is asked whatever is enough
     PatchPose pose = estimators_[i]->estimate(patch);
     pose.seen_by = i;
     consider(std::move(pose), choice);

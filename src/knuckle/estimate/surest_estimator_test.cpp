@@ -86,6 +86,9 @@ TEST(SurestEstimator, WhatIsSureEnoughAsksNoOther) {
   EXPECT_EQ(asked, 0);
   EXPECT_EQ(surest_of(three(0.6f, 0.6f, 0.9f, &asked), {.enough = 0.65}).joints[0].u, 3.0);
   EXPECT_EQ(asked, 1);
+  const PatchPose first = surest_of(three(0.3f, 0.7f, 0.9f, &asked), {.enough = 0.0});
+  ASSERT_EQ(first.joints.size(), 14u);
+  EXPECT_EQ(first.joints[0].u, 1.0) << "one is asked even where nothing is enough";
 }
 
 TEST(SurestEstimator, WhoCannotTellTheSideLeavesItToTheOthers) {
