@@ -15,7 +15,7 @@ namespace knuckle {
 namespace {
 
 constexpr double kPoorFitMm = 10.0;  // a fit from the last pose that is worse is compared with a fresh one
-constexpr double kFingerRadPerSecond = 5.0;        // deviation of an angle's speed
+constexpr double kFingerRadPerSecond = 3.0;        // deviation of an angle's speed
 constexpr double kFastestTurnRadPerSecond = 25.0;  // a wrist's, and more than that
 constexpr double kLargestTurnRad = 1.5;            // within the time of a doubt
 constexpr double kLongestDoubtSeconds = 0.3;       // an estimate that says the same for longer is believed
@@ -23,7 +23,7 @@ constexpr double kWorseGapMm = 1.0;                // by which the skin may lie 
 constexpr double kElsewhereMm = 75.0;  // a hand that is held is no farther from what was estimated
 /// What postures are likely says little of how one changes; said in full in each frame it would be said over
 /// and over.
-constexpr double kPostureSpread = 2.0;
+constexpr double kPostureSpread = 1.2;
 constexpr double kBoneMm = 4.0;         // of the way from a digit's joint to the next
 constexpr double kSurfaceMm = 1.7;      // less than where a frame is seen by itself: the last pose is near
 constexpr double kStandstillMm = 12.0;  // deviation of a landmark from where it was a frame before

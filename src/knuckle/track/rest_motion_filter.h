@@ -15,7 +15,7 @@ namespace knuckle {
 /// Options of the RestMotionFilter, in units of the values' noise.
 struct RestMotionOptions {
   double drift = 0.06;  ///< of a value that rests, within a second (deviation), (0, 1000] [1 / sqrt(s)]
-  double speed_change = 50.0;  ///< of one that moves, within a second (deviation), (0, 1e6] [1 / s / sqrt(s)]
+  double speed_change = 45.0;  ///< of one that moves, within a second (deviation), (0, 1e6] [1 / s / sqrt(s)]
   double manoeuvre =
       8.0;              ///< how much more the speed changes where a motion begins, turns or ends, [1, 1000]
   double stay_s = 6.0;  ///< mean time until rest, motion and manoeuvre take turns, [0.01, 1000] [s]
