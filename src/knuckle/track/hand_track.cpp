@@ -46,7 +46,7 @@ void HandTrack::move_to(const SkeletonPose& next, double now_s) {
   const bool is_first = !pose;
   const double seconds = is_first ? kDefaultStepSeconds : now_s - seen_s;
   const Point3 next_middle = in_mirror(middle_of(next), side());
-  before_ = {pose, middle, seen_s};
+  before_ = {pose, middle, seen_s, agreed_s, agreed_turn, person};
   leapt_mm = is_first ? 0.0 : (next_middle - middle - shift_until(now_s)).norm();
   if (!is_first) {
     Eigen::Vector3d now = (next_middle - middle) / seconds;
@@ -63,6 +63,9 @@ void HandTrack::take_back() {
   pose = before_.pose;
   middle = before_.middle;
   seen_s = before_.seen_s;
+  agreed_s = before_.agreed_s;
+  agreed_turn = before_.agreed_turn;
+  person = before_.person;
   velocity.setZero();
   smoother.reset();
 }

@@ -64,11 +64,14 @@ struct HandTrack {
   PersonHand person = {};  ///< what is known of its size and proportions
 
  private:
-  /// What a move changes.
+  /// What a move, and what was learned from it, changes.
   struct Place {
     std::optional<SkeletonPose> pose = {};
     Point3 middle = Point3::Zero();
     double seen_s = 0.0;
+    double agreed_s = 0.0;
+    Eigen::Matrix3d agreed_turn = Eigen::Matrix3d::Identity();
+    PersonHand person = {};
   };
 
   void begin_anew(double now_s);

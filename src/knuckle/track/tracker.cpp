@@ -279,12 +279,12 @@ bool Tracker::take(const Frame& frame, const HandEstimate& estimate, HandTrack& 
   }
   const double score = estimate.score * plausibility_of(*fit);
   if (score < pipeline_.hand().sure_confidence) return false;
+  track.move_to(fit->pose, *now_s_);
   track.person = person;
   if (agrees) {
     track.agreed_s = *now_s_;
     track.agreed_turn = fit->pose.camera_from_hand.linear();
   }
-  track.move_to(fit->pose, *now_s_);
   track.score = score;
   track.confidence.assign(sight.targets.size(), 0.0f);
   for (std::size_t i = 0; i < sight.targets.size(); ++i) {
@@ -306,9 +306,8 @@ void Tracker::forget_and_part() {
       if ((one.middle - other.middle).norm() < kSameHandMm) one.take_back();
     }
   }
-  std::erase_if(tracks_, [&](const HandTrack& track) {
-    return !track.pose || *now_s_ - track.seen_s > options_.lost_after_s;
-  });
+  std::erase_if(tracks_,
+                [&](const HandTrack& track) { return *now_s_ - track.seen_s > options_.lost_after_s; });
 }
 
 std::vector<TrackedHand> Tracker::hands_seen(const Frame& frame) const {
