@@ -26,6 +26,7 @@ RECORDINGS = ("rgbd_sequence", "table_cam2", "table_cam4", "table_cam6")
 SINGLE, FOLLOWED, BOTH = "default", "track", "track_both"
 DROPPED = 0.3
 AWAY, STAYS, TIMES = 15, 25, 10  # frames without and with a hand that leaves and comes back so often
+LEARNING = 90  # frames in which a person's hand is learned
 FIST = range(3, 11)  # frames of rgbd_sequence
 
 
@@ -133,18 +134,34 @@ def dropped_frames(lab):
             print(f"{name}, draw {draw}: {count - len(kept)} of {count} frames dropped: {mean:.2f} mm")
 
 
+def in_camera(poses, set_path):
+    """Landmarks of a poses file in camera coordinates, frames x landmarks x 3 [mm]."""
+    u, v, depth = np.moveaxis(np.loadtxt(poses).reshape(-1, 22, 3), -1, 0)
+    with h5py.File(set_path) as file:
+        fx, fy, cx, cy = file["intrinsics"][:].T[:, :, None]
+    return np.stack([(u - cx) * depth / fx, (v - cy) * depth / fy, depth], -1)
+
+
+def deviations(points):
+    """Of each landmark around its mean place [mm]."""
+    return np.sqrt(((points - points.mean(0)) ** 2).sum(-1).mean(0))
+
+
 def still_hands(lab):
     text = (ROOT / "manifests/test_still.toml").read_text()
     for sensor in SENSORS:
         changed = text.replace('preset = "creative"', f'preset = "{sensor}"')
         if sensor == "kinect_v2":  # it measures nothing that is nearer
             changed = changed.replace("nearest_mm = 350.0", "nearest_mm = 600.0").replace("farthest_mm = 500.0", "farthest_mm = 800.0")
-        source = f"h5:{lab.rendered(f'still_{sensor}', text=changed)}"
+        path = lab.rendered(f"still_{sensor}", text=changed)
+        source = f"h5:{path}"
         for smoothing in ("none", "one_euro", "kalman"):
             run = f"still_{smoothing}_{sensor}"
             poses, _, _ = lab.estimated(run, source, lab.pipeline(FOLLOWED, smoothing=f'"{smoothing}"'))
             motion = lab.scored(run, source, poses)[0]["methods"][0]["motion"]
-            print(f"still before {sensor}, {smoothing}: {motion['jitter_mm']:.2f} mm, worst {motion['worst_jitter_mm']:.2f}")
+            learned = deviations(in_camera(poses, path)[LEARNING:])
+            print(f"still before {sensor}, {smoothing}: {motion['jitter_mm']:.2f} mm, worst landmark {motion['worst_jitter_mm']:.2f}; "
+                  f"once the person is known {learned.mean():.2f}, {learned.max():.2f}")  # fmt: skip
 
 
 def leaving_hand(lab):
