@@ -7,6 +7,7 @@
 
 #include "knuckle/core/portable_math.h"
 #include "knuckle/core/statistics.h"
+#include "knuckle/hand/hand_collision.h"
 
 namespace knuckle {
 namespace {
@@ -14,6 +15,10 @@ namespace {
 using Points = std::array<Point3, kSupersetSize>;
 
 constexpr double kFarMm = 8.0;  ///< what is nearer to the skin is likely its own
+
+/// By how much flesh gives way where digits touch: as much as the generator's hands
+/// (docs/synthetic-hands.md).
+constexpr double kSoftMm = 6.0;
 
 /// A penalty of a gap, and what multiplies the gap in its derivative: half its square where it is small.
 struct GapPenalty {
@@ -127,6 +132,27 @@ std::array<double, kSkeletonUnknowns> bone_row(const PoseJacobian& jacobian, con
   return row;
 }
 
+Movers movers_of_place(const MoversOfLandmarks& movers, const BoneCollision::Place& place) {
+  return merged(movers[static_cast<std::size_t>(place.from)], movers[static_cast<std::size_t>(place.to)]);
+}
+
+/// Derivatives of the depth of a collision by what moves its bones. They are nearest there, so the depth does
+/// not change with the shares.
+std::array<double, kSkeletonUnknowns> depth_row(const PoseJacobian& jacobian, const Movers& movers,
+                                                const BoneCollision& collision) {
+  const auto along = [&](const BoneCollision::Place& place, int unknown) {
+    return (1.0 - place.share) * collision.normal.dot(jacobian.block<3, 1>(3 * place.from, unknown)) +
+           place.share * collision.normal.dot(jacobian.block<3, 1>(3 * place.to, unknown));
+  };
+  std::array<double, kSkeletonUnknowns> row;
+  for (int k = 0; k < movers.count; ++k) {
+    const int unknown = movers.unknowns[static_cast<std::size_t>(k)];
+    row[static_cast<std::size_t>(k)] = along(collision.other, unknown) - along(collision.one, unknown) +
+                                       (unknown == kSizeColumn ? collision.radii_mm : 0.0);
+  }
+  return row;
+}
+
 }  // namespace
 
 Points landmarks(const HandSkeleton& skeleton, const SkeletonPose& pose, PoseJacobian& jacobian) {
@@ -183,6 +209,9 @@ double SkeletonEnergy::at(const SkeletonPose& pose) const {
   for_each_bone([&](std::size_t from, std::size_t to, double weight) {
     energy += 0.5 * weight * bone_miss(points, from, to).squaredNorm();
   });
+  for_each_overlap(points, [&](const BoneCollision&, double too_deep, double weight) {
+    energy += 0.5 * weight * too_deep * too_deep;
+  });
   for_each_contact(points, pose.size, [&](const SurfaceContact&, const GapPenalty& gap, double weight) {
     energy += weight * gap.value;
   });
@@ -218,6 +247,12 @@ Linearised SkeletonEnergy::linearised(const SkeletonPose& pose) const {
     result.energy += 0.5 * weight * miss.squaredNorm();
     for (int axis = 0; axis < 3; ++axis)
       add_square(both, bone_row(jacobian, both, from, to, axis).data(), miss[axis], weight, result);
+  });
+  for_each_overlap(points, [&](const BoneCollision& collision, double too_deep, double weight) {
+    result.energy += 0.5 * weight * too_deep * too_deep;
+    const Movers both =
+        merged(movers_of_place(movers, collision.one), movers_of_place(movers, collision.other));
+    add_square(both, depth_row(jacobian, both, collision).data(), too_deep, weight, result);
   });
   std::array<Movers, kFleshCount> movers_of_flesh;
   for (std::size_t i = 0; i < kFleshCount; ++i) {
@@ -314,6 +349,14 @@ void SkeletonEnergy::for_each_bone(const Visit& visit) const {
 
 Eigen::Vector3d SkeletonEnergy::bone_miss(const Points& points, std::size_t from, std::size_t to) const {
   return (points[to] - points[from]) - (targets_[to].point - targets_[from].point);
+}
+
+template <class Visit>
+void SkeletonEnergy::for_each_overlap(const Points& points, const Visit& visit) const {
+  if (options_.overlap_mm == 0.0) return;
+  const double weight = 1.0 / (options_.overlap_mm * options_.overlap_mm);
+  for (const BoneCollision& collision : collisions_of(points, kSoftMm))
+    visit(collision, collision.depth_mm - kSoftMm, weight);
 }
 
 template <class Visit>

@@ -68,6 +68,9 @@ class SkeletonEnergy {
   /// How much a bone differs from what lies between its targets [mm].
   Eigen::Vector3d bone_miss(const std::array<Point3, kSupersetSize>& points, std::size_t from,
                             std::size_t to) const;
+  /// Calls `visit` with each two bones that run into one another too deep, by how much [mm], and its weight.
+  template <class Visit>
+  void for_each_overlap(const std::array<Point3, kSupersetSize>& points, const Visit& visit) const;
   template <class Visit>
   void for_each_contact(const std::array<Point3, kSupersetSize>& points, double size,
                         const Visit& visit) const;

@@ -6,6 +6,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/hand_collision.h"
 #include "knuckle/hand/skeleton_testing.h"
 
 namespace knuckle {
@@ -98,6 +99,7 @@ TEST(SkeletonEnergy, ItsGradientIsThatOfFiniteDifferences) {
     SkeletonFitOptions options;
     options.expected = resting_hand();
     options.bone_mm = trial % 2 == 0 ? 3.0 : 0.0;
+    options.overlap_mm = 0.5;
     targets[7].point.x() = kNaN;
     const SkeletonEnergy energy(adult_skeleton(), targets, surface, options);
     const Linearised at = energy.linearised(pose);
@@ -132,6 +134,48 @@ TEST(SkeletonEnergy, BonesAreComparedWithTheWayBetweenTheirTargets) {
   EXPECT_NEAR(energy_of(2.0) - energy_of(0.0), 0.5 * 0.5 * 9.0 / 4.0, 1e-9);
   set(Landmark::ring_pip, {1.0, 0.0, 0.0}, 0.25);
   EXPECT_NEAR(energy_of(2.0), energy_of(0.0), 1e-9) << "both are off by the same";
+}
+
+TEST(SkeletonEnergy, DigitsThatRunIntoOneAnotherCost) {
+  SkeletonPose pose{bent_hand(0.4, 0.4)};
+  const auto set_index = [&](double spread) {
+    pose.angles[angles_of_finger(0).spread] = spread;
+    return landmarks(adult_skeleton(), pose);
+  };
+  const auto overlap_energy = [&] {
+    const auto with = SkeletonFitOptions{.overlap_mm = 2.0};
+    const auto without = SkeletonFitOptions{};
+    return SkeletonEnergy(adult_skeleton(), {}, {}, with).at(pose) -
+           SkeletonEnergy(adult_skeleton(), {}, {}, without).at(pose);
+  };
+  double deepest = 0.0;
+  for (const double spread : {0.3, 0.0, -0.3, -0.6}) {
+    const Points points = set_index(spread);
+    const double worst = worst_penetration_mm(points);
+    double expected = 0.0;
+    for (const BoneCollision& collision : collisions_of(points, 6.0))
+      expected += 0.5 * std::pow((collision.depth_mm - 6.0) / 2.0, 2.0);
+    EXPECT_NEAR(overlap_energy(), expected, 1e-9 * (1.0 + expected)) << spread;
+    EXPECT_EQ(overlap_energy() > 1e-12, worst > 6.0) << spread;
+    deepest = std::max(deepest, worst);
+  }
+  EXPECT_GT(deepest, 8.0) << "else nothing is tested";
+}
+
+TEST(SkeletonFit, DigitsDoNotGoThroughOneAnother) {
+  // Index and middle finger are both said to be where the middle finger is.
+  const Points points = landmarks(adult_skeleton(), SkeletonPose{bent_hand(0.4, 0.4)});
+  LandmarkTargets targets;
+  for (int i = 0; i < kSupersetSize; ++i) targets[i].point = points[i];
+  constexpr int kIndex = static_cast<int>(Landmark::index_pip);
+  constexpr int kMiddle = static_cast<int>(Landmark::middle_pip);
+  for (int i = 0; i < 3; ++i) targets[kIndex + i].point = points[kMiddle + i];
+  const auto worst_of = [&](double overlap_mm) {
+    const auto fit = fit_skeleton(adult_skeleton(), targets, {.overlap_mm = overlap_mm});
+    return worst_penetration_mm(landmarks(adult_skeleton(), fit->pose));
+  };
+  EXPECT_GT(worst_of(0.0), 9.0);
+  EXPECT_LT(worst_of(0.3), 7.0);
 }
 
 TEST(SkeletonFit, ADigitThatIsSeenBesideItsPlaceKeepsItsBend) {
@@ -290,6 +334,7 @@ TEST(SkeletonFit, SurfacesAndKnownNumbersAreChecked) {
   using ::testing::HasSubstr;
   EXPECT_THAT(fault({.surface_mm = 0.0}), HasSubstr("surface_mm is 0"));
   EXPECT_THAT(fault({.bone_mm = -1.0}), HasSubstr("bone_mm is -1"));
+  EXPECT_THAT(fault({.overlap_mm = -1.0}), HasSubstr("overlap_mm is -1"));
   EXPECT_THAT(fault({.bone_mm = kNaN}), HasSubstr("bone_mm"));
   EXPECT_THAT(fault({.size = -1.0}), HasSubstr("size is -1"));
   EXPECT_THAT(fault({.length_spread = kNaN}), HasSubstr("length_spread"));

@@ -45,6 +45,7 @@ void check_arguments(const LandmarkTargets& targets, const HandSurface& surface,
       fail("skeleton fit: {} is {}, expected 0 or more", name, value);
   };
   check_not_below_0(options.bone_mm, "bone_mm");
+  check_not_below_0(options.overlap_mm, "overlap_mm");
   check_not_below_0(options.size_spread, "size_spread");
   check_not_below_0(options.length_spread, "length_spread");
   if (options.most_steps < 1) fail("skeleton fit: most_steps is {}, expected 1 or more", options.most_steps);

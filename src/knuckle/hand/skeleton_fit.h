@@ -49,7 +49,10 @@ struct SkeletonFitOptions {
   DigitNumbers lengths = kOnes;             ///< means of SkeletonPose::lengths, (0, inf)
   double length_spread = 0.07;              ///< [0, inf); 0: the lengths are known
   double surface_mm = 3.0;  ///< of measured points from the skin, (0, inf) [mm]; all count as 22 landmarks
-  int most_steps = 40;      ///< at least 1
+  /// Of how deep two digits, or a digit and the palm, run into one another beyond the 6 mm that soft flesh
+  /// gives way, [0, inf) [mm]; 0: it is not asked.
+  double overlap_mm = 0.0;
+  int most_steps = 40;  ///< at least 1
 };
 
 /// A skeleton fitted to landmarks.

@@ -17,6 +17,7 @@ void HandModelOptions::visit(OptionVisitor& visitor) {
   visitor.real("size_spread", size_spread, closed(0, 1));
   visitor.real("length_spread", length_spread, closed(0, 1));
   visitor.real("surface_mm", surface_mm, open_closed(0, 1000));
+  visitor.real("overlap_mm", overlap_mm, closed(0, 1000));
   visitor.flag("fill", fill);
 }
 
@@ -30,7 +31,8 @@ RefinedHand HandModel::refine(const Frame& frame, const HandRegion& /*hand*/, Ha
                                    .posture_spread = options_.posture_spread,
                                    .size_spread = options_.size_spread,
                                    .length_spread = options_.length_spread,
-                                   .surface_mm = options_.surface_mm};
+                                   .surface_mm = options_.surface_mm,
+                                   .overlap_mm = options_.overlap_mm};
   const LandmarkTargets targets = targets_of(pose, frame.camera);
   const auto fit =
       fit_skeleton(adult_skeleton(), targets, options, std::nullopt, surface_near(frame, targets));

@@ -15,7 +15,9 @@ struct HandModelOptions {
   double size_spread = 0.12;    ///< of the hand's size around an adult's, [0, 1]; 0: an adult's
   double length_spread = 0.07;  ///< of the lengths of the digits' bones, [0, 1]; 0: an adult's
   double surface_mm = 2.3;      ///< of all measured points together from the skin, (0, 1000] [mm]
-  bool fill = true;             ///< joints that were not found come from the skeleton
+  /// Of how deep digits run into one another beyond 6 mm, [0, 1000] [mm]; 0: not asked.
+  double overlap_mm = 2.0;
+  bool fill = true;  ///< joints that were not found come from the skeleton
 
   void visit(OptionVisitor& visitor);
 };

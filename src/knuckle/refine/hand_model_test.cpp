@@ -186,6 +186,7 @@ TEST(HandModel, ConfidencesOf0AreNoJoints) {
 TEST(HandModel, RefusesOptionsOutOfRange) {
   EXPECT_THAT(testing::error_of([] { HandModel({.surface_mm = 0.0}); }), HasSubstr("surface_mm"));
   EXPECT_THAT(testing::error_of([] { HandModel({.bone_mm = -1.0}); }), HasSubstr("bone_mm"));
+  EXPECT_THAT(testing::error_of([] { HandModel({.overlap_mm = -1.0}); }), HasSubstr("overlap_mm"));
   EXPECT_THAT(testing::error_of([] { HandModel({.length_spread = 2.0}); }), HasSubstr("length_spread"));
 }
 

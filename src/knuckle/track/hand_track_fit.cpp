@@ -26,6 +26,7 @@ constexpr double kElsewhereMm = 75.0;  // a hand that is held is no farther from
 constexpr double kPostureSpread = 1.2;
 constexpr double kBoneMm = 4.0;         // of the way from a digit's joint to the next
 constexpr double kSurfaceMm = 1.7;      // less than where a frame is seen by itself: the last pose is near
+constexpr double kOverlapMm = 2.0;      // of how deep digits run into one another
 constexpr double kStandstillMm = 12.0;  // deviation of a landmark from where it was a frame before
 
 /// Fitted from `start` on, and from a fresh one where that ends poorly.
@@ -51,7 +52,7 @@ RightHandSight sight_of(const Frame& frame, const LandmarkTargets& targets, Hand
 
 /// What the track's last pose says of the next one.
 SkeletonFitOptions options_after(const HandTrack& track, double now_s) {
-  SkeletonFitOptions options{.bone_mm = kBoneMm, .surface_mm = kSurfaceMm};
+  SkeletonFitOptions options{.bone_mm = kBoneMm, .surface_mm = kSurfaceMm, .overlap_mm = kOverlapMm};
   if (!track.pose) return options;
   options.posture_spread = kPostureSpread;
   options.expected = track.pose->angles;
