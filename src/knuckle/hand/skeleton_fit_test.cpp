@@ -208,6 +208,8 @@ TEST(SkeletonFit, ThreeTargetsAreNeededAndOptionsChecked) {
   EXPECT_THAT(fault({.posture_spread = kNaN}), ::testing::HasSubstr("posture_spread"));
   EXPECT_THAT(fault({.size_spread = -1.0}), ::testing::HasSubstr("size_spread is -1"));
   EXPECT_THAT(fault({.most_steps = 0}), ::testing::HasSubstr("most_steps is 0"));
+  targets[0].weight = 0.0;
+  EXPECT_FALSE(fit_skeleton(adult_skeleton(), targets)) << "what has no confidence is no target";
   targets[0].weight = -1.0;
   EXPECT_THAT(fault({}), ::testing::HasSubstr("a landmark's weight is -1"));
   targets[0].weight = 1.0;

@@ -7,6 +7,7 @@
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/hand/hand_collision.h"
 #include "knuckle/hand/hand_flesh.h"
 #include "knuckle/hand/skeleton_testing.h"
 #include "knuckle/refine/inverse_kinematics.h"
@@ -104,6 +105,29 @@ TEST(HandModel, TheDepthImageMakesJointsBetterThanTheSkeletonAlone) {
     }
   }
   EXPECT_LT(with_depth, 0.8 * without) << with_depth / 12 << " mm, " << without / 12 << " mm";
+}
+
+TEST(HandModel, TakesItsOptionsAtTheirWord) {
+  const Points truth = hand_before_camera(0.4);
+  Points wrong = truth;
+  constexpr int kIndexPip = static_cast<int>(Landmark::index_pip);
+  constexpr int kMiddlePip = static_cast<int>(Landmark::middle_pip);
+  for (int i = 0; i < 3; ++i) wrong[kIndexPip + i] = truth[kMiddlePip + i];  // in one another
+  const auto refined = [&](const HandModelOptions& options) {
+    const HandPose pose = HandModel(options).refine(frame_of(truth), {}, pose_at(wrong)).pose;
+    Points points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] = Projection(kHandCamera).to_camera(pose.joints[i]);
+    return points;
+  };
+  EXPECT_GT(worst_penetration_mm(refined({.overlap_mm = 0.0})),
+            2.0 + worst_penetration_mm(refined({.overlap_mm = 0.2})));
+  // The first bone of the finger, which both its ends have elsewhere.
+  const auto miss_of_bone = [&](double bone_mm) {
+    const Points points = refined({.bone_mm = bone_mm, .overlap_mm = 0.0});
+    return ((points[kIndexPip] - points[kIndexPip - 1]) - (wrong[kIndexPip] - wrong[kIndexPip - 1])).norm();
+  };
+  EXPECT_LT(miss_of_bone(0.5), 0.8 * miss_of_bone(0.0));
 }
 
 TEST(HandModel, AFingerThatFloatsIsBroughtBack) {

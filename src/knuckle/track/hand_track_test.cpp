@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/track/hand_track.h"
 
+#include <Eigen/Geometry>
+
 #include "knuckle/core/testing.h"
 
 namespace knuckle {
@@ -57,6 +59,40 @@ TEST(HandTrack, ALeftHandMovesInTheMirror) {
   right.move_to(pose_at(110.0), 0.0);
   EXPECT_EQ(track.middle.y(), right.middle.y());
   EXPECT_EQ(track.middle.x(), -right.middle.x());
+}
+
+TEST(HandTrack, TakenBackItIsWhatItWasBeforeItsLastMove) {
+  HandTrack track(1, 0.0, {});
+  // As the tracker does: it moves, then learns from that.
+  const auto move = [&](double x_mm, double size, double now_s) {
+    SkeletonPose pose = pose_at(x_mm);
+    pose.size = size;
+    track.move_to(pose, now_s);
+    track.person.learn(pose);
+    track.agreed_s = now_s;
+    track.agreed_turn = Eigen::AngleAxisd(now_s, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  };
+  const auto size_of = [](const PersonHand& person) {
+    SkeletonFitOptions options;
+    person.tell(options);
+    return options.size;
+  };
+  move(0.0, 1.1, 0.1);
+  move(10.0, 1.1, 0.2);
+  EXPECT_NEAR(track.leapt_mm, 10.0, 1e-9);
+  const Point3 middle = track.middle;
+  const Eigen::Matrix3d turn = track.agreed_turn;
+  move(100.0, 1.3, 0.3);
+  EXPECT_GT(track.leapt_mm, 70.0);
+  track.take_back();
+  EXPECT_FALSE(track.is_seen_at(0.3));
+  EXPECT_EQ(track.seen_s, 0.2);
+  EXPECT_EQ(track.agreed_s, 0.2);
+  EXPECT_EQ(track.agreed_turn, turn);
+  EXPECT_EQ(track.middle, middle);
+  EXPECT_EQ(track.pose->camera_from_hand.translation().x(), 10.0);
+  EXPECT_EQ(track.velocity, Eigen::Vector3d::Zero());
+  EXPECT_NEAR(size_of(track.person), 1.1, 1e-12);
 }
 
 TEST(HandTrack, TheForearmGoesOnBehindTheWrist) {
