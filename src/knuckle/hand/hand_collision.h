@@ -33,6 +33,7 @@ double gap_of_hands_mm(const std::vector<HandCapsule>& a, const std::vector<Hand
 
 /// Two bones of a hand that run into one another, where they are nearest.
 struct BoneCollision {
+  /// A place on the line of a bone.
   struct Place {
     int from = 0;        ///< landmark where the bone begins
     int to = 0;          ///< and where it ends
