@@ -39,7 +39,7 @@ struct TrackedHand {
 /// is missing, and now and then for new ones. What such searches do not find again gives its place to what
 /// they find.
 /// A skeleton is fitted to the estimated landmarks and to the depth image from where it was in the last
-/// frame; its size and the lengths of its digits are learned over the first second. The result is smoothed.
+/// frame; its size and the lengths of its digits are learned over the first seconds. The result is smoothed.
 ///
 /// Times come from `Frame::time_s`; without them, frames are a thirtieth of a second apart. Where time goes
 /// back, stands still or leaps by more than a second, or `Frame::sequence` changes, all hands are forgotten:
