@@ -101,7 +101,10 @@ using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 /// The bones that are meant to be apart, by their numbers.
 const Pairs& colliding_pairs() {
   static const Pairs pairs = [] {
-    const auto capsules = capsules_of({});
+    // Which bones they are does not depend on where they lie.
+    std::array<Point3, kSupersetSize> anywhere;
+    anywhere.fill(Point3::Zero());
+    const auto capsules = capsules_of(anywhere);
     Pairs all;
     for (std::size_t i = 0; i < kBones; ++i) {
       for (std::size_t j = i + 1; j < kBones; ++j) {
@@ -123,7 +126,7 @@ std::vector<HandCapsule> hand_capsules(const std::array<Point3, kSupersetSize>& 
 BoneCollisions collisions_of(const std::array<Point3, kSupersetSize>& landmarks, double most_mm) {
   const auto capsules = capsules_of(landmarks);
   BoneCollisions found;
-  for (const auto [i, j] : colliding_pairs()) {
+  for (const auto& [i, j] : colliding_pairs()) {
     const HandCapsule& a = capsules[i];
     const HandCapsule& b = capsules[j];
     const double radii = a.radius + b.radius;
