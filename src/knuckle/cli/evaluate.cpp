@@ -13,6 +13,7 @@
 #include "knuckle/eval/metrics/evaluation.h"
 #include "knuckle/eval/metrics/followed_hands.h"
 #include "knuckle/eval/metrics/score_files.h"
+#include "knuckle/eval/pictures/angle_figures.h"
 #include "knuckle/eval/pictures/film_strip.h"
 #include "knuckle/eval/pictures/gallery.h"
 #include "knuckle/eval/report/report.h"
@@ -149,18 +150,26 @@ void print_scores(const std::vector<SegmentationScore>& scores) {
   }
 }
 
-/// Frame records against all hands of the source.
-std::vector<FollowedScore> score_record_files(const EvaluateArguments& arguments, const FrameSource* source) {
-  std::vector<FollowedScore> scores;
-  if (arguments.records.empty()) return scores;
+std::vector<NamedRecords> read_records(const EvaluateArguments& arguments, const FrameSource* source) {
+  std::vector<NamedRecords> records;
+  if (arguments.records.empty()) return records;
   if (source == nullptr)
     fail("--records: hands are scored against a source KIND:PATH, which knows all hands");
-  const std::vector<TrueHands> truth = true_hands(*source);
   for (const std::string& text : arguments.records) {
     const NamedPath file = named_path_from_text(text);
-    scores.push_back(followed_score(file.name, *source->convention(), truth,
-                                    records_from_file(file.path, source->size())));
+    records.push_back({file.name, records_from_file(file.path, source->size())});
   }
+  return records;
+}
+
+/// Frame records against all hands of the source.
+std::vector<FollowedScore> score_records(const std::vector<NamedRecords>& records,
+                                         const FrameSource* source) {
+  std::vector<FollowedScore> scores;
+  if (records.empty()) return scores;
+  const std::vector<TrueHands> truth = true_hands(*source);
+  for (const NamedRecords& method : records)
+    scores.push_back(followed_score(method.name, *source->convention(), truth, method.frames));
   return scores;
 }
 
@@ -206,7 +215,7 @@ void write_strip(const EvaluateArguments& arguments, const GalleryInput& input) 
 /// A source without truth: nothing can be scored, but the poses can be looked at.
 void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& source) {
   const bool wants_pictures = !arguments.out.empty() || !arguments.strip.empty();
-  if (!wants_pictures || !arguments.json.empty() || !arguments.boxes.empty() || !arguments.records.empty()) {
+  if (!wants_pictures || !arguments.json.empty() || !arguments.boxes.empty()) {
     fail("{}: the source has no truth to score against; --out and --strip alone make pictures",
          arguments.truth);
   }
@@ -220,12 +229,14 @@ void show_unlabelled(const EvaluateArguments& arguments, const FrameSource& sour
            method.sequence.poses.size(), arguments.truth, source.size());
     }
   }
-  const GalleryInput input{&source, nullptr, nullptr, predictions};
+  const std::vector<NamedRecords> records = read_records(arguments, &source);
+  const GalleryInput input{&source, nullptr, nullptr, predictions, records};
   write_strip(arguments, input);
   if (arguments.out.empty()) return;
   Report report;
   report.title = "Hand poses";
   report.facts = {{"source", arguments.truth}, {"truth", "none: nothing is scored"}};
+  report.angles = angle_figures(records);
   report.gallery = make_gallery(input, arguments.gallery);
   write_out(arguments, report);
 }
@@ -257,18 +268,20 @@ void score_labelled(const EvaluateArguments& arguments, OpenedTruth& opened) {
   }
   report.segmentation = score_box_files(arguments, opened.truth);
   if (!report.segmentation.empty()) print_scores(report.segmentation);
-  report.followed = score_record_files(arguments, opened.source.get());
+  const std::vector<NamedRecords> records = read_records(arguments, opened.source.get());
+  report.followed = score_records(records, opened.source.get());
   if (!report.followed.empty()) print_scores(report.followed);
   if (!arguments.json.empty()) {
     write_text_file(arguments.json, to_json(report.evaluation, report.segmentation, report.followed));
     write_options(arguments, arguments.json);
   }
-  if (report.evaluation) {
-    const GalleryInput input{opened.source.get(), &opened.truth, &*report.evaluation, predictions};
-    write_strip(arguments, input);
-    if (!arguments.out.empty()) report.gallery = make_gallery(input, arguments.gallery);
-  }
+  const bool has_pictures = report.evaluation || !records.empty();
+  const GalleryInput input{opened.source.get(), &opened.truth,
+                           report.evaluation ? &*report.evaluation : nullptr, predictions, records};
+  if (has_pictures) write_strip(arguments, input);
   if (arguments.out.empty()) return;
+  report.angles = angle_figures(records);
+  if (has_pictures) report.gallery = make_gallery(input, arguments.gallery);
   write_out(arguments, report);
 }
 
@@ -277,8 +290,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
     fail(
         "evaluate: nothing to score: give --predictions NAME=PATH, --boxes NAME=PATH or --records NAME=PATH");
   }
-  if (arguments.predictions.empty() && !arguments.strip.empty())
-    fail("evaluate: --strip shows estimates: give --predictions NAME=PATH");
+  if (arguments.predictions.empty() && arguments.records.empty() && !arguments.strip.empty())
+    fail("evaluate: --strip shows estimates: give --predictions NAME=PATH or --records NAME=PATH");
   if (!names_a_source(arguments.truth)) {
     OpenedTruth opened = read_truth_file(arguments);
     return score_labelled(arguments, opened);

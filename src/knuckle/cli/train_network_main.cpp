@@ -91,7 +91,7 @@ void write_curves(const std::filesystem::path& model, const std::vector<Training
                 .x = {},
                 .categories = {},
                 .series = {},
-                .y_end = std::nullopt};
+                .y = std::nullopt};
   for (const TrainingMetrics& m : metrics) figure.x.push_back(static_cast<double>(m.samples) / 1000.0);
   for (const auto& [name, score] : kind.curves) {
     auto& series = figure.series.emplace_back();

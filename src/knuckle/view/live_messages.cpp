@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/view/live_messages.h"
 
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "knuckle/hand/hand_flesh.h"
-#include "knuckle/hand/landmark_definition.h"
 #include "knuckle/view/message_parts.h"
 
 namespace knuckle {
@@ -40,27 +37,6 @@ std::string fields_of(const LiveUpdate& update) {
 }
 
 }  // namespace
-
-std::vector<FleshPiece> flesh_of(const HandRecord& hand) {
-  if (hand.skeleton.empty()) return {};
-  SupersetPoints points;
-  points.fill(Point3::Constant(kNaN));
-  for (std::size_t i = 0; i < hand.landmarks_mm.size(); ++i) {
-    const auto landmark = static_cast<std::size_t>(hand.convention.landmarks[i]);
-    if (landmark < points.size()) points[landmark] = hand.landmarks_mm[i];
-  }
-  const double palm_mm = palm_length(points);
-  if (!std::isfinite(palm_mm)) return {};
-  std::vector<FleshPiece> pieces;
-  for (const HandFlesh& flesh : hand_flesh()) {
-    const Point3& from = points[static_cast<std::size_t>(flesh.from)];
-    const Point3& to = points[static_cast<std::size_t>(flesh.to)];
-    if (!from.allFinite() || !to.allFinite()) continue;
-    pieces.push_back({from.x(), from.y(), from.z(), flesh.radius_from * palm_mm, to.x(), to.y(), to.z(),
-                      flesh.radius_to * palm_mm});
-  }
-  return pieces;
-}
 
 std::string info_message(const LiveInfo& info, const RecordingState& recording, const LiveUpdate* newest) {
   return text_of({{"version", info.version},

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -30,15 +29,6 @@ struct LiveInfo {
   Convention convention;    ///< of all landmarks
   bool can_record = false;  ///< whether recordings may be begun and ended
 };
-
-/// One piece of a fitted hand's flesh: all points that are nearer to the line between two points than a
-/// radius that grows evenly from one to the other (a cone with round ends). In camera coordinates [mm]: x, y,
-/// z and radius of one end, then of the other.
-using FleshPiece = std::array<double, 8>;
-
-/// The flesh (hand_flesh) around the landmarks of a hand; nothing where no hand model was fitted to it, and
-/// no pieces at landmarks that are not known.
-std::vector<FleshPiece> flesh_of(const HandRecord& hand);
 
 /// The answer to /api/info: a JSON object. `newest` is the last frame that was looked at, null before the
 /// first: then `camera` is null.

@@ -9,7 +9,6 @@
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/hand/adult_skeleton.h"
-#include "knuckle/hand/surface_contacts.h"
 
 namespace knuckle {
 namespace {
@@ -39,19 +38,6 @@ HandRecord fitted_hand() {
   hand.landmarks_px.resize(points.size());
   hand.skeleton = "adult";
   return hand;
-}
-
-/// From a point to the skin of spheres along each piece [mm], negative inside.
-double distance_to(const std::vector<FleshPiece>& pieces, const Point3& point) {
-  double least = INFINITY;
-  for (const auto& [x1, y1, z1, r1, x2, y2, z2, r2] : pieces) {
-    for (int i = 0; i <= 400; ++i) {
-      const double share = i / 400.0;
-      const Point3 centre = (1.0 - share) * Point3(x1, y1, z1) + share * Point3(x2, y2, z2);
-      least = std::min(least, (point - centre).norm() - ((1.0 - share) * r1 + share * r2));
-    }
-  }
-  return least;
 }
 
 struct Message {
@@ -115,31 +101,6 @@ TEST(LiveMessages, TheHeaderHoldsTheRecordAsItIsWrittenElsewhere) {
   ASSERT_EQ(message.header["surface"].size(), 2U) << "one list per hand";
   EXPECT_EQ(message.header["surface"][0].size(), 19U);
   EXPECT_EQ(message.header["surface"][1].size(), 0U) << "no model was fitted to it";
-}
-
-TEST(LiveMessages, TheFleshIsThatOfTheHandModel) {
-  HandRecord hand = fitted_hand();
-  const std::vector<FleshPiece> pieces = flesh_of(hand);
-  ASSERT_EQ(pieces.size(), static_cast<std::size_t>(kFleshCount));
-  std::array<Point3, kSupersetSize> points;
-  std::ranges::copy(hand.landmarks_mm, points.begin());
-  const double palm_mm = (points[static_cast<std::size_t>(Landmark::wrist)] -
-                          points[static_cast<std::size_t>(Landmark::middle_mcp)])
-                             .norm();
-  const PosedFlesh posed(points, palm_mm);
-  Random random(3, 4);
-  for (int i = 0; i < 50; ++i) {
-    const Point3 point(10.0 + random.uniform(-90, 90), 20.0 + random.uniform(-200, 60),
-                       500.0 + random.uniform(-60, 60));
-    EXPECT_NEAR(distance_to(pieces, point), posed.nearest(point).gap_mm, 0.05);
-  }
-  hand.landmarks_mm[static_cast<std::size_t>(Landmark::index_tip)] = Point3::Constant(kNaN);
-  EXPECT_EQ(flesh_of(hand).size(), pieces.size() - 1);
-  hand.landmarks_mm[static_cast<std::size_t>(Landmark::wrist)] = Point3::Constant(kNaN);
-  EXPECT_TRUE(flesh_of(hand).empty());
-  hand = fitted_hand();
-  hand.skeleton.clear();
-  EXPECT_TRUE(flesh_of(hand).empty());
 }
 
 TEST(LiveMessages, InfoSaysWhatThePageNeeds) {

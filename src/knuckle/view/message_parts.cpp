@@ -2,14 +2,15 @@
 #include "knuckle/view/message_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
+#include "knuckle/data/fitted_flesh.h"
 #include "knuckle/data/readers/depth_image.h"
-#include "knuckle/view/live_messages.h"
 
 namespace knuckle {
 namespace {
@@ -75,7 +76,9 @@ Json bones_json(const Convention& convention) {
 
 Json flesh_json(const HandRecord& hand) {
   Json pieces = Json::array();
-  for (FleshPiece piece : flesh_of(hand)) {
+  for (const FleshCone& cone : fitted_flesh(hand)) {
+    std::array<double, 8> piece{cone.from.x(), cone.from.y(), cone.from.z(), cone.radius_from,
+                                cone.to.x(),   cone.to.y(),   cone.to.z(),   cone.radius_to};
     std::ranges::transform(piece, piece.begin(), rounded_mm);
     pieces.push_back(piece);
   }

@@ -38,6 +38,12 @@ struct FollowedScore {
 inline constexpr double kLeastVisible = 0.3;  ///< part of a hand's pixels, [0, 1]
 inline constexpr double kFoundMm = 60.0;      ///< between the means of the landmarks that both know
 
+/// What a method found in all frames of a source.
+struct NamedRecords {
+  std::string name;
+  std::vector<FrameRecord> frames;  ///< one per frame of the source
+};
+
 /// Scores records, one per frame of `truth`. Hands and estimates are matched nearest first. A hand is
 /// followed through its sequence by its side and place in the list. Landmarks are compared by their names.
 FollowedScore followed_score(const std::string& name, const Convention& convention,

@@ -21,7 +21,6 @@ namespace {
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a8a"};
 constexpr std::array kDashes = {"1", "2", "4", "5"};  // gnuplot's dash types: solid, dashed, dash-dotted, ...
 constexpr std::array kDensities = {1.0, 0.5, 0.25};   // of bars, where the colours repeat
-constexpr double kStepsOfY = 5.0;                     // from 0 to a given end of the y axis
 constexpr std::size_t kLongestLegendEntry = 36;       // characters
 constexpr int kWidth = 600;                           // [px]
 constexpr int kPlotHeight = 300;                      // [px], title and axes' area without what is below it
@@ -140,9 +139,9 @@ void add_free_y_range(Script& script, const Figure& figure) {
 void add_curves(Script& script, const Figure& figure) {
   add(script, "set grid xtics");
   add(script, "set xrange [{:.6g}:{:.6g}]", figure.x.front(), figure.x.back());
-  if (figure.y_end) {
-    add(script, "set yrange [0:{:.6g}]", *figure.y_end);
-    add(script, "set ytics {:.6g}", *figure.y_end / kStepsOfY);
+  if (figure.y) {
+    add(script, "set yrange [{:.6g}:{:.6g}]", figure.y->begin, figure.y->end);
+    add(script, "set ytics {:.6g}", figure.y->step);
   } else {
     add_free_y_range(script, figure);
   }

@@ -21,6 +21,13 @@ enum class FigureKind {
   bars,    ///< a group of bars, one per series, over each category
 };
 
+/// What an axis shows.
+struct AxisRange {
+  double begin = 0.0;
+  double end = 100.0;  ///< above `begin`
+  double step = 20.0;  ///< between two numbers on it, above 0
+};
+
 /// A figure to be drawn.
 struct Figure {
   FigureKind kind = FigureKind::curves;
@@ -31,8 +38,8 @@ struct Figure {
   std::vector<double> x;                ///< places on the x axis, rising; curves only
   std::vector<std::string> categories;  ///< below the groups; bars only
   std::vector<Series> series;
-  /// Where the y axis of curves ends, which begins at 0; nothing: where the values do.
-  std::optional<double> y_end = 100.0;
+  /// The y axis of curves; nothing: from 0 to where the values end.
+  std::optional<AxisRange> y = AxisRange{};
 };
 
 /// Writes NAME.svg and NAME.png for each figure. The folder must exist. Throws where gnuplot is missing or

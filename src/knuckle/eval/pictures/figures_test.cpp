@@ -108,9 +108,14 @@ TEST(Figures, EndTheirYAxisWhereTheyAreToldOrTheValuesDo) {
   percent.series[0].values = {3.0, 4.0, 4.0};
   Figure millimetres = percent;
   millimetres.name = "free";
-  millimetres.y_end = std::nullopt;
-  write_figures(std::vector{percent, millimetres}, folder.path());
+  millimetres.y = std::nullopt;
+  Figure angles = percent;
+  angles.name = "angles";
+  angles.y = {-60.0, 30.0, 30.0};
+  write_figures(std::vector{percent, millimetres, angles}, folder.path());
   EXPECT_THAT(read_text_file(folder / "small.svg"), HasSubstr("> 100<"));
+  EXPECT_THAT(read_text_file(folder / "angles.svg"),
+              AllOf(HasSubstr(">-60<"), HasSubstr("> 30<"), Not(HasSubstr("> 60<"))));
   EXPECT_THAT(read_text_file(folder / "free.svg"), AllOf(Not(HasSubstr("> 100<")), HasSubstr("> 4<")));
 }
 
@@ -136,7 +141,7 @@ TEST(Figures, WithoutAKnownValueAreEmpty) {
   curves.name = "curves";
   Figure free = curves;
   free.name = "free";
-  free.y_end = std::nullopt;
+  free.y = std::nullopt;
   write_figures(std::vector{bars, curves, free}, folder.path());
   for (const char* name : {"small.svg", "curves.svg", "free.svg"}) {
     const std::string svg = read_text_file(folder / name);

@@ -15,7 +15,7 @@ struct FilmStripOptions {
   void visit(OptionVisitor& visitor);
 };
 
-/// All frames of a sequence in one picture, in rows: the pictures of a gallery, those of a frame's methods
+/// All frames of a sequence in one picture, in rows: the pictures of a gallery, those of a frame
 /// one below the other, with the frame's number and the method's error. Throws an Error where there is no
 /// frame, an option is out of range, or the strip would be wider or higher than an image may be.
 Image<Rgb> film_strip(const GalleryInput& input, const FilmStripOptions& options = {});

@@ -7,8 +7,10 @@
 
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/parallel.h"
+#include "knuckle/data/fitted_flesh.h"
 #include "knuckle/eval/metrics/segmentation_metrics.h"
 #include "knuckle/eval/pictures/drawing.h"
+#include "knuckle/eval/pictures/surface_picture.h"
 
 namespace knuckle {
 namespace {
@@ -21,6 +23,7 @@ struct Choice {
 
 std::int64_t frame_count(const GalleryInput& input) {
   if (!input.methods.empty()) return static_cast<std::int64_t>(input.methods.front().sequence.poses.size());
+  if (!input.records.empty()) return static_cast<std::int64_t>(input.records.front().frames.size());
   if (input.truth != nullptr) return static_cast<std::int64_t>(input.truth->sequence.poses.size());
   return input.source != nullptr ? input.source->size() : 0;
 }
@@ -69,6 +72,36 @@ Rectangle united(const Rectangle& a, const Rectangle& b) {
           std::max(a.bottom, b.bottom)};
 }
 
+/// The hand's landmarks in the image; missing where they are not known.
+HandPose pose_of(const HandRecord& hand, const Projection& projection) {
+  HandPose pose = HandPose::missing(hand.convention);
+  for (std::size_t i = 0; i < hand.landmarks_mm.size(); ++i) {
+    if (hand.landmarks_mm[i].allFinite()) pose.joints[i] = projection.to_image(hand.landmarks_mm[i]);
+  }
+  return pose;
+}
+
+/// What a method's records tell of a frame.
+struct RecordedHands {
+  std::vector<HandPose> poses;     ///< of all its hands
+  std::vector<FleshCone> flesh;    ///< of those that a hand model was fitted to
+  std::vector<HandPose> unfitted;  ///< of the others
+};
+
+/// Nothing where the frame has no image, and so no camera.
+RecordedHands recorded_hands(const FrameRecord& record, const Frame& frame) {
+  RecordedHands recorded;
+  if (frame.depth_mm.empty()) return recorded;
+  const Projection projection(frame.camera);
+  for (const HandRecord& hand : record.hands) {
+    recorded.poses.push_back(pose_of(hand, projection));
+    const std::vector<FleshCone> flesh = fitted_flesh(hand);
+    recorded.flesh.insert(recorded.flesh.end(), flesh.begin(), flesh.end());
+    if (flesh.empty()) recorded.unfitted.push_back(recorded.poses.back());
+  }
+  return recorded;
+}
+
 /// One frame with all poses that are drawn into it.
 class FramePictures {
  public:
@@ -80,6 +113,13 @@ class FramePictures {
     } else if (frame_.truth) {
       truth_ = &*frame_.truth;
     }
+    for (const Predictions& method : input.methods) estimates_.push_back(&method.sequence.poses[index]);
+    for (const NamedRecords& method : input.records) {
+      recorded_.push_back(recorded_hands(method.frames[static_cast<std::size_t>(index)], frame_));
+    }
+    for (const RecordedHands& recorded : recorded_) {
+      for (const HandPose& pose : recorded.poses) estimates_.push_back(&pose);
+    }
   }
 
   GalleryRow row(const std::string& reason) const {
@@ -90,11 +130,19 @@ class FramePictures {
     row.shows_truth = truth_ != nullptr && !truth_->is_missing();
     const View view = hand_view();
     if (!row.shows_truth && !frame_.depth_mm.empty()) row.pictures.push_back(overview(view.crop));
-    const Image<Rgb> ground = picture_of(frame_.depth_mm, view, hand_depths(view));
+    const DepthRange depths = hand_depths(view);
+    const Image<Rgb> ground = picture_of(frame_.depth_mm, view, depths);
     for (std::size_t method = 0; method < input_.methods.size(); ++method) {
       row.pictures.push_back(method_picture(ground, view, method));
     }
-    if (input_.methods.empty()) row.pictures.push_back(truth_picture(ground, view));
+    if (input_.methods.empty() && (input_.records.empty() || row.shows_truth))
+      row.pictures.push_back(truth_picture(ground, view));
+    for (std::size_t method = 0; method < recorded_.size(); ++method) {
+      row.pictures.push_back(surface_picture(ground, view, method));
+      if (recorded_[method].flesh.empty()) continue;
+      row.pictures.push_back(difference_picture(view, depths, method));
+      row.shows_difference = true;
+    }
     return row;
   }
 
@@ -110,8 +158,8 @@ class FramePictures {
     std::optional<Rectangle> around = truth_ != nullptr ? rectangle_around(*truth_) : std::nullopt;
     const bool has_truth = around.has_value();
     const double true_area = has_truth ? around->area() : 0.0;
-    for (std::size_t method = 0; method < input_.methods.size(); ++method) {
-      const std::optional<Rectangle> estimated = rectangle_around(predicted(method));
+    for (const HandPose* estimate : estimates_) {
+      const std::optional<Rectangle> estimated = rectangle_around(*estimate);
       if (!estimated) continue;
       const Rectangle both = around ? united(*around, *estimated) : *estimated;
       if (!has_truth || both.area() <= kLargestGrowth * true_area) around = both;
@@ -152,7 +200,7 @@ class FramePictures {
     return {{(width - side) / 2, (height - side) / 2, side, side}, double(options_.picture_size_px) / side};
   }
 
-  /// Depths of the true joints, or else of the first method's that has any.
+  /// Depths of the true joints, or else of the first estimate that has any.
   std::vector<double> joint_depths() const {
     std::vector<double> depths;
     const auto add = [&](const HandPose& pose) {
@@ -161,9 +209,7 @@ class FramePictures {
       }
     };
     if (truth_ != nullptr) add(*truth_);
-    for (std::size_t method = 0; depths.empty() && method < input_.methods.size(); ++method) {
-      add(predicted(method));
-    }
+    for (std::size_t i = 0; depths.empty() && i < estimates_.size(); ++i) add(*estimates_[i]);
     return depths;
   }
 
@@ -197,6 +243,24 @@ class FramePictures {
     return {input_.methods[method].name, note(method), std::move(picture)};
   }
 
+  GalleryPicture surface_picture(Image<Rgb> picture, const View& view, std::size_t method) const {
+    const RecordedHands& recorded = recorded_[method];
+    if (!recorded.flesh.empty()) draw_surface(picture, seen_surface(recorded.flesh, frame_.camera, view));
+    for (const HandPose& pose : recorded.unfitted) draw_skeleton(picture, pose, view, kEstimateColour);
+    const std::string_view what = recorded.flesh.empty() ? "" : ": surface";
+    const std::string_view remark = recorded.poses.empty() ? "no hand" : "";
+    return {fmt::format("{}{}", input_.records[method].name, what), std::string(remark), std::move(picture)};
+  }
+
+  GalleryPicture difference_picture(const View& view, const DepthRange& depths, std::size_t method) const {
+    SurfaceDifference difference =
+        surface_difference(recorded_[method].flesh, frame_.depth_mm, frame_.camera, view, depths);
+    return {input_.records[method].name + ": difference",
+            std::isfinite(difference.median_mm) ? fmt::format("median {:.1f} mm", difference.median_mm)
+                                                : std::string("nothing measured"),
+            std::move(difference.picture)};
+  }
+
   std::string note(std::size_t method) const {
     if (predicted(method).is_missing()) return "no hand";
     if (input_.evaluation == nullptr) return "";
@@ -210,6 +274,8 @@ class FramePictures {
   std::int64_t index_;
   Frame frame_;
   const HandPose* truth_ = nullptr;
+  std::vector<RecordedHands> recorded_;     ///< one per method with records
+  std::vector<const HandPose*> estimates_;  ///< of all methods, predictions first
 };
 
 }  // namespace

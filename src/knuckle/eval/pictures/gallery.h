@@ -10,6 +10,7 @@
 #include "knuckle/data/frame_source.h"
 #include "knuckle/data/readers/image_io.h"
 #include "knuckle/eval/metrics/evaluation.h"
+#include "knuckle/eval/metrics/followed_hands.h"
 
 namespace knuckle {
 
@@ -22,8 +23,9 @@ struct GalleryPicture {
 
 /// One frame, seen once a method.
 struct GalleryRow {
-  std::string caption;       ///< the frame
-  bool shows_truth = false;  ///< whether a true skeleton is drawn
+  std::string caption;            ///< the frame
+  bool shows_truth = false;       ///< whether a true skeleton is drawn
+  bool shows_difference = false;  ///< whether a fitted surface is held against the depth image
   std::vector<GalleryPicture> pictures;
 };
 
@@ -43,11 +45,14 @@ struct GalleryInput {
   const Truth* truth = nullptr;
   const Evaluation* evaluation = nullptr;
   std::span<const Predictions> methods;
+  std::span<const NamedRecords> records = {};  ///< one record per frame of the source each
 };
 
 /// Pictures of chosen frames, cropped around the hand: true skeleton in one colour, estimated one in another.
 /// Without truth the crop follows the estimates, so the whole frame stands before it, with the crop's
-/// outline. Frames are read on all threads.
+/// outline. Each method's records are shown by a picture of its own: the surfaces that were fitted to the
+/// hands over the depth image, the skeletons of hands without; and where a surface was fitted, by a second
+/// one: its difference to the depth image (surface_picture.h). Frames are read on all threads.
 std::vector<GalleryRow> make_gallery(const GalleryInput& input, const GalleryOptions& options = {});
 
 }  // namespace knuckle

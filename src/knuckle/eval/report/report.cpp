@@ -20,6 +20,7 @@ ReportFigures draw_figures(const Report& report, const std::filesystem::path& fo
   const bool has_confidences = std::ranges::any_of(
       report.followed, [](const FollowedScore& score) { return score.reliability.joints > 0; });
   if (has_confidences) figures.followed = drawn({reliability_figure(report.followed)}, folder);
+  if (!report.angles.empty()) figures.angles = drawn(report.angles, folder);
   return figures;
 }
 
@@ -59,6 +60,7 @@ std::string report_html(const Report& report, const ReportFigures& figures) {
   }
   if (!report.segmentation.empty()) html += segmentation_section(report.segmentation, figures.segmentation);
   if (!report.followed.empty()) html += followed_section(report.followed, figures.followed);
+  if (!figures.angles.empty()) html += angle_section(figures.angles);
   if (!figures.poses.empty()) html += figure_section(figures.poses);
   if (report.evaluation) html += joint_section(*report.evaluation);
   if (!report.gallery.empty()) html += gallery_section(report.gallery);

@@ -36,6 +36,7 @@ struct Report {
   std::optional<Evaluation> evaluation;
   std::vector<SegmentationScore> segmentation;
   std::vector<FollowedScore> followed;
+  std::vector<Figure> angles;  ///< of fitted hands over time (angle_figures)
   std::vector<GalleryRow> gallery;
 };
 
@@ -50,6 +51,7 @@ struct ReportFigures {
   std::vector<DrawnFigure> poses;
   std::vector<DrawnFigure> segmentation;
   std::vector<DrawnFigure> followed;
+  std::vector<DrawnFigure> angles;
 };
 
 /// Writes the files of figures into `folder` (made where it is missing) and keeps them for a page.

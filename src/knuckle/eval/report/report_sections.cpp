@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/text.h"
+#include "knuckle/eval/pictures/angle_figures.h"
 #include "knuckle/eval/pictures/drawing.h"
+#include "knuckle/eval/pictures/surface_picture.h"
 #include "knuckle/eval/report/report_style.h"
 
 namespace knuckle {
@@ -93,6 +95,16 @@ std::string score_table(const std::vector<MethodScore>& methods) {
   }
   columns.push_back(column("PCK area<br>0&ndash;50 mm", methods, &MethodScore::auc_pck_0_50, 3, higher));
   return number_table("method", method_heads(methods), columns);
+}
+
+/// What the colours of a difference mean.
+std::string difference_legend() {
+  return fmt::format(
+      "<p>Difference of the fitted surface to the depth image: {}measured depth lies {} mm or more before "
+      "the "
+      "surface &ensp; {}on it &ensp; {}{} mm or more behind it &ensp; {}nothing was measured</p>\n",
+      swatch(hex_code(kMeasuredBefore)), kDifferenceMm, swatch(hex_code(kAlike)),
+      swatch(hex_code(kMeasuredBehind)), kDifferenceMm, swatch(hex_code(kNotMeasured)));
 }
 
 }  // namespace
@@ -297,6 +309,13 @@ std::string figure_section(const std::vector<DrawnFigure>& figures) {
   return "<h2>Figures</h2>\n" + figure_grid(figures);
 }
 
+std::string angle_section(const std::vector<DrawnFigure>& figures) {
+  return fmt::format(
+      "<details><summary>Angles of the joints over time</summary>\n<p>Of hands that a hand model was fitted "
+      "to; of more than {} those that were fitted in most frames.</p>\n{}</details>\n",
+      kMostAngleHands, figure_grid(figures));
+}
+
 std::string joint_section(const Evaluation& evaluation) {
   std::vector<NumberColumn> columns;
   for (const MethodScore& method : evaluation.methods)
@@ -320,7 +339,9 @@ std::string gallery_section(const std::vector<GalleryRow>& rows) {
   if (std::ranges::any_of(rows, &GalleryRow::shows_truth)) {
     add(html, "{}truth &ensp; ", swatch(hex_code(kTruthColour)));
   }
-  html += "Near depth is bright.</p>\n<div class=\"gallery\">\n";
+  html += "Near depth is bright.</p>\n";
+  if (std::ranges::any_of(rows, &GalleryRow::shows_difference)) html += difference_legend();
+  html += "<div class=\"gallery\">\n";
   for (const GalleryRow& row : rows) {
     add(html, "<section class=\"frame\" style=\"--pictures:{}\"><h3>{}</h3>\n<div class=\"pictures\">\n",
         row.pictures.size(), html_escaped(row.caption));

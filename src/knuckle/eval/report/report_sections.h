@@ -65,6 +65,9 @@ std::string figure_grid(const std::vector<DrawnFigure>& figures, std::string_vie
 /// Curves and bars of the pose errors.
 std::string figure_section(const std::vector<DrawnFigure>& figures);
 
+/// The angles of fitted hands over time.
+std::string angle_section(const std::vector<DrawnFigure>& figures);
+
 /// Joints x methods: mean 3D error.
 std::string joint_section(const Evaluation& evaluation);
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/eval/pictures/gallery.h"
+
+#include <algorithm>
+
+#include "knuckle/core/testing.h"
+#include "knuckle/eval/metrics/eval_fixtures.h"
+#include "knuckle/eval/pictures/surface_picture.h"
+#include "knuckle/hand/adult_skeleton.h"
+
+namespace knuckle {
+namespace {
+
+using testing::example_truth;
+using testing::FakeSource;
+
+/// A hand that was fitted before the flat ground of FakeSource, whose depth is 510 mm.
+HandRecord hand_at(double z_mm) {
+  const auto points =
+      landmarks(adult_skeleton(), HandAngles{}, RigidTransform(Eigen::Translation3d(0.0, 60.0, z_mm)));
+  HandRecord hand;
+  hand.convention = superset_convention();
+  hand.landmarks_mm.assign(points.begin(), points.end());
+  hand.landmarks_px.resize(points.size());
+  hand.skeleton = "adult";
+  return hand;
+}
+
+NamedRecords method_with(const HandRecord& hand, int frames) {
+  NamedRecords method{"fitted", std::vector<FrameRecord>(static_cast<std::size_t>(frames))};
+  method.frames[0].hands = {hand};
+  return method;
+}
+
+std::ptrdiff_t count_in(const Image<Rgb>& picture, const Rgb& colour) {
+  return std::ranges::count(picture.pixels(), colour);
+}
+
+TEST(Gallery, ShowsTheFittedSurfaceAndItsDifference) {
+  const Truth truth = example_truth(2);
+  const FakeSource source(truth);
+  const NamedRecords method = method_with(hand_at(400.0), 2);
+  const std::vector<GalleryRow> rows = make_gallery({&source, &truth, nullptr, {}, std::span(&method, 1)});
+  ASSERT_EQ(rows.size(), 2u);
+  ASSERT_EQ(rows[0].pictures.size(), 3u);
+  EXPECT_TRUE(rows[0].shows_difference);
+  EXPECT_EQ(rows[0].pictures[0].caption, "truth");
+  EXPECT_EQ(rows[0].pictures[1].caption, "fitted: surface");
+  EXPECT_EQ(rows[0].pictures[2].caption, "fitted: difference");
+  EXPECT_GT(count_in(rows[0].pictures[2].picture, kMeasuredBehind), 300)
+      << "the hand floats 10 cm before all";
+  EXPECT_EQ(count_in(rows[0].pictures[2].picture, kMeasuredBefore), 0);
+  // The second frame's record holds no hand.
+  ASSERT_EQ(rows[1].pictures.size(), 2u);
+  EXPECT_FALSE(rows[1].shows_difference);
+  EXPECT_EQ(rows[1].pictures[1].caption, "fitted");
+  EXPECT_EQ(rows[1].pictures[1].note, "no hand");
+}
+
+TEST(Gallery, AHandWithoutAFittedModelIsDrawnAsASkeleton) {
+  const FakeSource source;
+  HandRecord hand = hand_at(450.0);
+  hand.skeleton.clear();
+  const NamedRecords method = method_with(hand, 4);
+  const std::vector<GalleryRow> rows = make_gallery({&source, nullptr, nullptr, {}, std::span(&method, 1)});
+  ASSERT_EQ(rows[0].pictures.size(), 2u) << "the whole frame, and the hand";
+  EXPECT_FALSE(rows[0].shows_difference);
+  EXPECT_GT(count_in(rows[0].pictures[1].picture, kEstimateColour), 20);
+}
+
+TEST(Gallery, TheCropHoldsAllRecordedHandsWhereThereIsNoTruth) {
+  const FakeSource source;
+  NamedRecords method = method_with(hand_at(900.0), 4);
+  HandRecord other = hand_at(900.0);
+  for (Point3& point : other.landmarks_mm) point.x() += 250.0;
+  method.frames[0].hands.push_back(other);
+  const std::vector<GalleryRow> rows = make_gallery({&source, nullptr, nullptr, {}, std::span(&method, 1)});
+  // Both hands lie behind the ground, left and right in the picture.
+  const Image<Rgb>& picture = rows[0].pictures.back().picture;
+  const int half = picture.width() / 2;
+  EXPECT_GT(count_in(cropped(picture, {0, 0, half, picture.height()}), kMeasuredBefore), 100);
+  EXPECT_GT(count_in(cropped(picture, {half, 0, half, picture.height()}), kMeasuredBefore), 100);
+}
+
+TEST(Gallery, LandmarksBeyondAllReasonAreNoCrash) {
+  const FakeSource source;
+  for (const double far : {1e12, 1e300, -1e300}) {
+    HandRecord hand = hand_at(500.0);
+    hand.landmarks_mm[3].x() = far;
+    hand.landmarks_mm[9] = Point3(far, far, std::abs(far));
+    const NamedRecords method = method_with(hand, 4);
+    EXPECT_EQ(make_gallery({&source, nullptr, nullptr, {}, std::span(&method, 1)}).size(), 4u);
+  }
+}
+
+}  // namespace
+}  // namespace knuckle
