@@ -341,7 +341,7 @@ void draw(LabellingOptions options) {
   figure.title = "Labels of a scripted annotator";
   figure.x_label = "corrections per frame";
   figure.y_label = "mean distance from the truth [mm]";
-  figure.y_end = std::nullopt;
+  figure.y = std::nullopt;
   for (int i = 0; i <= options.most_corrections; ++i) figure.x.push_back(i);
   for (const Way& way : {Way{"raw points", true, false}, Way{"hand model", false, false},
                          Way{"hand model, neighbours follow", false, true}}) {

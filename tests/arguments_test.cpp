@@ -67,7 +67,7 @@ TEST_F(ArgumentsTest, ATruthOfAFileNeedsACameraAndKnowsOneHandAlone) {
 
 TEST_F(ArgumentsTest, AStripShowsEstimates) {
   EXPECT_THAT(evaluate(labelled_, {"--boxes", "a=" + path("a.txt"), "--strip", path("strip.png")}),
-              FailedWith("--strip shows estimates"));
+              FailedWith("--strip shows estimates: give --predictions NAME=PATH or --records NAME=PATH"));
 }
 
 TEST_F(ArgumentsTest, WithoutTruthThereArePicturesAlone) {
@@ -80,7 +80,9 @@ TEST_F(ArgumentsTest, WithoutTruthThereArePicturesAlone) {
   EXPECT_THAT(with({}), FailedWith(fault));
   EXPECT_THAT(with({"--out", path("report"), "--json", path("scores.json")}), FailedWith(fault));
   EXPECT_THAT(with({"--out", path("report"), "--boxes", "a=" + path("a.txt")}), FailedWith(fault));
-  EXPECT_THAT(with({"--out", path("report"), "--records", "a=" + path("a.jsonl")}), FailedWith(fault));
+  EXPECT_THAT(with({"--json", path("scores.json"), "--records", "a=" + path("a.jsonl")}), FailedWith(fault));
+  EXPECT_THAT(with({"--out", path("report"), "--records", "a=" + path("none.jsonl")}),
+              FailedWith("none.jsonl: cannot read"));
   EXPECT_THAT(with({"--strip", path("strip.png"), "--format", "xyz"}),
               FailedWith("--format: without truth poses are looked at in the image"));
   EXPECT_THAT(evaluate(plain_, {"--strip", path("strip.png"), "--predictions", "a=" + path("two.txt")}),

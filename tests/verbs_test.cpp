@@ -489,6 +489,30 @@ TEST_F(VerbsTest, AHandThatIsFollowedKeepsItsIdAndTremblesLess) {
               FailedWith("--init truth"));
 }
 
+TEST_F(VerbsTest, FittedSurfacesAreShownWithAndWithoutTruth) {
+  const std::string labelled = "synthetic:manifests/test_creative.toml?count=3";
+  ASSERT_THAT(run_program({"estimate", "--source", labelled, "--pipeline", "pipelines/track.toml", "--out",
+                           path("p.txt"), "--records", path("p.jsonl")}),
+              Succeeded());
+  ASSERT_THAT(run_program({"render", "--manifest", "manifests/test_creative.toml", "--format", "folder",
+                           "--out", path("set"), "--count", "3"}),
+              Succeeded());
+  std::filesystem::remove(path("set/joints.txt"));
+  for (const std::string& source : {labelled, "folder:" + path("set")}) {
+    ASSERT_THAT(run_program({"evaluate", "--truth", source, "--records", "m=" + path("p.jsonl"), "--out",
+                             path("report"), "--strip", path("strip.png")}),
+                Succeeded());
+    const std::string page = read_text_file(path("report/report.html"));
+    EXPECT_THAT(page, HasSubstr("<img alt=\"m: surface\""));
+    EXPECT_THAT(page, HasSubstr("<img alt=\"m: difference\""));
+    EXPECT_THAT(page, HasSubstr("aria-label=\"index_pip\""));
+    EXPECT_TRUE(std::filesystem::exists(path("report/figures/angle_index_pip.svg")));
+    EXPECT_TRUE(std::filesystem::exists(path("strip.png")));
+    std::filesystem::remove_all(path("report"));
+    std::filesystem::remove(path("strip.png"));
+  }
+}
+
 TEST_F(VerbsTest, LandmarksSayWhatIsWrong) {
   EXPECT_THAT(run_program({"landmarks", "--source", kDemoSource, "--out", path("marks.toml")}),
               FailedWith("too few to fit"));

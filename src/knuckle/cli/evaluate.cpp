@@ -324,7 +324,7 @@ void add_evaluate(CLI::App& program) {
   verb.add_option(
           "--records", arguments->records,
           "What `estimate --records` or `live --records` wrote, to be scored against all hands: which "
-          "were found, with which side, under which id")
+          "were found, with which side, under which id. Pictures show the surfaces that were fitted")
       ->type_name("NAME=FILE");
   verb.add_option("--convention", arguments->convention,
                   "Landmarks of files that do not name theirs: a name that `knuckle info` lists, or a file "
@@ -352,7 +352,7 @@ void add_evaluate(CLI::App& program) {
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");
   verb.add_option("--json", arguments->json, "The scores as JSON")->type_name("FILE");
   verb.add_option("--strip", arguments->strip,
-                  "A picture of all frames (at most 1000), each with its estimates and errors")
+                  "A picture of all frames (at most 1000), each with its estimates, errors and fitted surfaces")
       ->type_name("FILE.png");
   verb.add_option("--gallery", arguments->gallery.even_frames,
                   "Frames that the report shows, spread over the sequence")
