@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/hand/flesh_cone.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "knuckle/hand/hand_flesh.h"
@@ -55,6 +56,14 @@ void meet_side(std::optional<SkinHit>& first, const FleshCone& cone, const Point
   keep_first(first, *t, out.normalized());
 }
 
+/// Whether a ray passes by a ball around all of a cone, as most do.
+bool passes_by(const FleshCone& cone, const Point3& origin, const Eigen::Vector3d& direction) {
+  const double reach = 0.5 * (cone.to - cone.from).norm() + std::max(cone.radius_from, cone.radius_to);
+  const Eigen::Vector3d away = 0.5 * (cone.from + cone.to) - origin;
+  const double along = away.dot(direction);
+  return away.squaredNorm() - along * along / direction.squaredNorm() > reach * reach;
+}
+
 }  // namespace
 
 std::vector<FleshCone> flesh_cones(const SupersetPoints& landmarks) {
@@ -73,6 +82,7 @@ std::vector<FleshCone> flesh_cones(const SupersetPoints& landmarks) {
 std::optional<SkinHit> first_hit(const FleshCone& cone, const Point3& origin,
                                  const Eigen::Vector3d& direction) {
   std::optional<SkinHit> first;
+  if (passes_by(cone, origin, direction)) return first;
   meet_sphere(first, cone.from, cone.radius_from, origin, direction);
   meet_sphere(first, cone.to, cone.radius_to, origin, direction);
   meet_side(first, cone, origin, direction);

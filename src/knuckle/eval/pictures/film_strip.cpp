@@ -20,6 +20,35 @@ std::string label_of(const GalleryRow& row, const GalleryPicture& picture) {
   return picture.note.empty() ? std::string(frame) : fmt::format("{}: {}", frame, picture.note);
 }
 
+/// Tiles in rows, each a frame's pictures one below the other and a gap.
+struct StripLayout {
+  int frames = 0;
+  int columns = 1;
+  int tile_width = 0;   ///< [px]
+  int tile_height = 0;  ///< [px]
+
+  int width() const { return kStripGapPx + columns * tile_width; }
+  int height() const { return kStripGapPx + (frames + columns - 1) / columns * tile_height; }
+};
+
+/// Throws an Error where no image holds the strip.
+StripLayout layout_of(int frames, int pictures, const FilmStripOptions& options) {
+  StripLayout layout{frames, std::min(options.columns, frames), options.picture_size_px + kStripGapPx,
+                     pictures * options.picture_size_px + kStripGapPx};
+  while (layout.height() > limits::kImageSide && layout.columns < frames) ++layout.columns;
+  if (std::max(layout.width(), layout.height()) > limits::kImageSide) {
+    fail("film strip: {} x {} pixels, an image has at most {} a side; take smaller pictures or fewer frames",
+         layout.width(), layout.height(), limits::kImageSide);
+  }
+  return layout;
+}
+
+int most_pictures(const std::vector<GalleryRow>& rows) {
+  std::size_t most = 0;
+  for (const GalleryRow& row : rows) most = std::max(most, row.pictures.size());
+  return static_cast<int>(most);
+}
+
 }  // namespace
 
 void FilmStripOptions::visit(OptionVisitor& visitor) {
@@ -30,27 +59,18 @@ void FilmStripOptions::visit(OptionVisitor& visitor) {
 
 Image<Rgb> film_strip(const GalleryInput& input, const FilmStripOptions& options) {
   check_options(options, "film strip");
+  const int frames = static_cast<int>(std::min<std::int64_t>(frames_to_show(input), options.most_frames));
+  if (frames < 1) fail("film strip: there is no frame to show");
+  layout_of(frames, 1, options);  // refuses what is too much before its pictures are made
   const std::vector<GalleryRow> rows = make_gallery(
       input,
       {.even_frames = options.most_frames, .worst_frames = 0, .picture_size_px = options.picture_size_px});
-  if (rows.empty()) fail("film strip: there is no frame to show");
+  const StripLayout layout = layout_of(frames, most_pictures(rows), options);
   const int size = options.picture_size_px;
-  const int frames = static_cast<int>(rows.size());
-  const int columns = std::min(options.columns, frames);
-  const int bands = (frames + columns - 1) / columns;
-  const int pictures = static_cast<int>(
-      std::ranges::max(rows, {}, [](const GalleryRow& row) { return row.pictures.size(); }).pictures.size());
-  const int band_height = pictures * size + kStripGapPx;
-  const int width = kStripGapPx + columns * (size + kStripGapPx);
-  const int height = kStripGapPx + bands * band_height;
-  if (std::max(width, height) > limits::kImageSide) {
-    fail("film strip: {} x {} pixels, an image has at most {} a side; take smaller pictures or fewer frames",
-         width, height, limits::kImageSide);
-  }
-  Image<Rgb> strip(width, height, kSheetColour);
-  for (int i = 0; i < frames; ++i) {
-    const int x = kStripGapPx + i % columns * (size + kStripGapPx);
-    int y = kStripGapPx + i / columns * band_height;
+  Image<Rgb> strip(layout.width(), layout.height(), kSheetColour);
+  for (int i = 0; i < layout.frames; ++i) {
+    const int x = kStripGapPx + i % layout.columns * layout.tile_width;
+    int y = kStripGapPx + i / layout.columns * layout.tile_height;
     for (const GalleryPicture& shown : rows[i].pictures) {
       Image<Rgb> picture = shown.picture;
       draw_text(picture, label_of(rows[i], shown), kMarginPx, size - kMarginPx);

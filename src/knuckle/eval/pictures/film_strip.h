@@ -8,7 +8,7 @@ namespace knuckle {
 
 /// How a film strip is laid out.
 struct FilmStripOptions {
-  int columns = 10;           ///< frames in a row, [1, 100]
+  int columns = 10;           ///< frames in a row, [1, 100]; more where the strip would be too high
   int picture_size_px = 150;  ///< of a picture's side, [64, 2000]
   int most_frames = 1000;     ///< more are left out evenly, [1, 1000]
 

@@ -59,7 +59,15 @@ TEST(FilmStrip, LeavesOutFramesEvenlyAndRefusesWhatNoImageHolds) {
   const GalleryInput input{&source, &truth, nullptr, {}};
   EXPECT_EQ(film_strip(input, {.columns = 4, .picture_size_px = kSize, .most_frames = 8}).height(),
             kGap + 2 * (kSize + kGap));
-  EXPECT_THAT(error_of([&] { film_strip(input, {.columns = 1, .picture_size_px = 2000}); }),
+  // One column of 40 would be 20,164 pixels high, so there are two.
+  const Image<Rgb> wider = film_strip(input, {.columns = 1, .picture_size_px = 500});
+  EXPECT_EQ(wider.width(), kGap + 2 * (500 + kGap));
+  EXPECT_EQ(wider.height(), kGap + 20 * (500 + kGap));
+  const Truth many = testing::example_truth(90);
+  const FakeSource source_of_many(many);
+  EXPECT_THAT(error_of([&] {
+                film_strip({&source_of_many, &many, nullptr, {}}, {.picture_size_px = 2000});
+              }),
               HasSubstr("smaller pictures"));
   EXPECT_THAT(error_of([&] { film_strip(input, {.columns = 0}); }), HasSubstr("columns"));
   EXPECT_THAT(error_of([] { film_strip({}); }), HasSubstr("no frame"));

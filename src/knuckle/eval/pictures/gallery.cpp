@@ -21,13 +21,6 @@ struct Choice {
   std::string reason;
 };
 
-std::int64_t frame_count(const GalleryInput& input) {
-  if (!input.methods.empty()) return static_cast<std::int64_t>(input.methods.front().sequence.poses.size());
-  if (!input.records.empty()) return static_cast<std::int64_t>(input.records.front().frames.size());
-  if (input.truth != nullptr) return static_cast<std::int64_t>(input.truth->sequence.poses.size());
-  return input.source != nullptr ? input.source->size() : 0;
-}
-
 /// The middles of `count` equal parts of the sequence.
 std::vector<Choice> evenly_spread(std::int64_t frames, int count) {
   std::vector<Choice> choices;
@@ -51,7 +44,7 @@ std::vector<Choice> worst_of(const MethodScore& method, int count) {
 }
 
 std::vector<Choice> chosen_frames(const GalleryInput& input, const GalleryOptions& options) {
-  std::vector<Choice> choices = evenly_spread(frame_count(input), options.even_frames);
+  std::vector<Choice> choices = evenly_spread(frames_to_show(input), options.even_frames);
   if (input.evaluation == nullptr) return choices;
   for (const MethodScore& method : input.evaluation->methods) {
     for (Choice& choice : worst_of(method, options.worst_frames)) {
@@ -284,6 +277,13 @@ void GalleryOptions::visit(OptionVisitor& visitor) {
   visitor.integer("even_frames", even_frames, closed(0, 1000));
   visitor.integer("worst_frames", worst_frames, closed(0, 100));
   visitor.integer("picture_size_px", picture_size_px, closed(64, 2000));
+}
+
+std::int64_t frames_to_show(const GalleryInput& input) {
+  if (!input.methods.empty()) return static_cast<std::int64_t>(input.methods.front().sequence.poses.size());
+  if (!input.records.empty()) return static_cast<std::int64_t>(input.records.front().frames.size());
+  if (input.truth != nullptr) return static_cast<std::int64_t>(input.truth->sequence.poses.size());
+  return input.source != nullptr ? input.source->size() : 0;
 }
 
 std::vector<GalleryRow> make_gallery(const GalleryInput& input, const GalleryOptions& options) {

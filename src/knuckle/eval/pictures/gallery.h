@@ -48,6 +48,9 @@ struct GalleryInput {
   std::span<const NamedRecords> records = {};  ///< one record per frame of the source each
 };
 
+/// How many frames there are to choose from.
+std::int64_t frames_to_show(const GalleryInput& input);
+
 /// Pictures of chosen frames, cropped around the hand: true skeleton in one colour, estimated one in another.
 /// Without truth the crop follows the estimates, so the whole frame stands before it, with the crop's
 /// outline. Each method's records are shown by a picture of its own: the surfaces that were fitted to the
