@@ -30,7 +30,8 @@ void meet_sphere(std::optional<SkinHit>& first, const Point3& centre, double rad
 
 /// The side of a cone, where its skin belongs to a sphere between the two ends. With y along the axis and rho
 /// away from it, the sides of all spheres of radius r - k y touch the lines cos rho = r - k y, where
-/// cos^2 = 1 - k^2; squared, that is quadratic along the ray.
+/// cos^2 = 1 - k^2; squared, that is quadratic along the ray. Where one end holds the other,
+/// cos^2 < 0 and nothing solves it.
 void meet_side(std::optional<SkinHit>& first, const FleshCone& cone, const Point3& origin,
                const Eigen::Vector3d& direction) {
   const Eigen::Vector3d line = cone.to - cone.from;
@@ -38,7 +39,6 @@ void meet_side(std::optional<SkinHit>& first, const FleshCone& cone, const Point
   if (!(length > 0.0)) return;
   const double k = (cone.radius_from - cone.radius_to) / length;
   const double cos2 = 1.0 - k * k;
-  if (!(cos2 > 0.0)) return;  // one end holds the other
   const Eigen::Vector3d axis = line / length;
   const Eigen::Vector3d away = origin - cone.from;
   const double y0 = away.dot(axis);

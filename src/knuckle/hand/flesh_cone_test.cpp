@@ -20,8 +20,9 @@ Point3 random_point(Random& random, double extent) {
 
 /// Cones of all kinds: even, growing, shrinking, and ends that hold the other.
 FleshCone random_cone(Random& random) {
-  return {random_point(random, 40.0), random.uniform(2.0, 30.0), random_point(random, 40.0),
-          random.uniform(2.0, 30.0)};
+  const Point3 from = random_point(random, 40.0);
+  const Point3 to = random.below(4) == 0 ? from + random_point(random, 8.0) : random_point(random, 40.0);
+  return {from, random.uniform(2.0, 30.0), to, random.uniform(2.0, 30.0)};
 }
 
 /// Where the ray enters one of very many spheres along the cone; infinite where it meets none.

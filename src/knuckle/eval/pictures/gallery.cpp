@@ -170,8 +170,12 @@ class FramePictures {
     const double extent = std::max(hand->right - hand->left, hand->bottom - hand->top);
     const double shown = std::max(kMargin * extent, open_hand_px());
     const int side = static_cast<int>(std::ceil(std::clamp(shown, kSmallest, kLargest)));
-    const int x = static_cast<int>(std::lround((hand->left + hand->right - side) / 2.0));
-    const int y = static_cast<int>(std::lround((hand->top + hand->bottom - side) / 2.0));
+    constexpr double kFar = 1e6;  // [px], where no image is
+    const auto place = [&](double from, double to) {
+      return static_cast<int>(std::lround(std::clamp((from + to - side) / 2.0, -kFar, kFar)));
+    };
+    const int x = place(hand->left, hand->right);
+    const int y = place(hand->top, hand->bottom);
     return {{x, y, side, side}, picture_size / side};
   }
 

@@ -72,14 +72,19 @@ TEST(Gallery, TheCropHoldsAllRecordedHandsWhereThereIsNoTruth) {
   const FakeSource source;
   NamedRecords method = method_with(hand_at(900.0), 4);
   HandRecord other = hand_at(900.0);
-  for (Point3& point : other.landmarks_mm) point.x() += 250.0;
+  for (Point3& point : method.frames[0].hands[0].landmarks_mm) point.x() -= 200.0;
+  for (Point3& point : other.landmarks_mm) point.x() += 200.0;
   method.frames[0].hands.push_back(other);
   const std::vector<GalleryRow> rows = make_gallery({&source, nullptr, nullptr, {}, std::span(&method, 1)});
-  // Both hands lie behind the ground, left and right in the picture.
+  // Both hands lie behind the ground: one left and one right in the picture, none in its middle.
   const Image<Rgb>& picture = rows[0].pictures.back().picture;
-  const int half = picture.width() / 2;
-  EXPECT_GT(count_in(cropped(picture, {0, 0, half, picture.height()}), kMeasuredBefore), 100);
-  EXPECT_GT(count_in(cropped(picture, {half, 0, half, picture.height()}), kMeasuredBefore), 100);
+  const int fifth = picture.width() / 5;
+  const auto blue_from = [&](int column, int width) {
+    return count_in(cropped(picture, {column, 0, width, picture.height()}), kMeasuredBefore);
+  };
+  EXPECT_GT(blue_from(0, 2 * fifth), 100);
+  EXPECT_EQ(blue_from(2 * fifth, fifth), 0);
+  EXPECT_GT(blue_from(3 * fifth, 2 * fifth), 100);
 }
 
 TEST(Gallery, LandmarksBeyondAllReasonAreNoCrash) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/eval/pictures/surface_picture.h"
 
+#include <algorithm>
+
 #include "knuckle/camera/projection.h"
 #include "knuckle/core/testing.h"
 
@@ -67,6 +69,8 @@ TEST(SeenSurface, TheNearerOfTwoHidesTheOther) {
   const double near = seen_surface(flesh, kProjective, {kAll, 1.0}).depth_mm(31, 24);
   EXPECT_NEAR(far, 550.0, 1.0);
   EXPECT_NEAR(near, 390.0, 1.0);
+  std::ranges::reverse(flesh);
+  EXPECT_EQ(seen_surface(flesh, kProjective, {kAll, 1.0}).depth_mm(31, 24), near);
 }
 
 TEST(SurfaceDifference, TellsBeforeFromBehindAndWhatWasNotMeasured) {

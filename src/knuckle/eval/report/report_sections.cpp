@@ -100,9 +100,9 @@ std::string score_table(const std::vector<MethodScore>& methods) {
 /// What the colours of a difference mean.
 std::string difference_legend() {
   return fmt::format(
-      "<p>Difference of the fitted surface to the depth image: {}measured depth lies {} mm or more before "
-      "the "
-      "surface &ensp; {}on it &ensp; {}{} mm or more behind it &ensp; {}nothing was measured</p>\n",
+      "<p>Difference of the fitted surface to the depth image: {}measured depth lies {} mm or more "
+      "before the surface &ensp; {}on it &ensp; {}{} mm or more behind it &ensp; {}nothing was "
+      "measured</p>\n",
       swatch(hex_code(kMeasuredBefore)), kDifferenceMm, swatch(hex_code(kAlike)),
       swatch(hex_code(kMeasuredBehind)), kDifferenceMm, swatch(hex_code(kNotMeasured)));
 }
