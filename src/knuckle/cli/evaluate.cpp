@@ -351,8 +351,9 @@ void add_evaluate(CLI::App& program) {
                 "Also score the methods in the landmarks that all of them share");
   verb.add_option("--out", arguments->out, "Folder for an HTML report with figures")->type_name("FOLDER");
   verb.add_option("--json", arguments->json, "The scores as JSON")->type_name("FILE");
-  verb.add_option("--strip", arguments->strip,
-                  "A picture of all frames (at most 1000), each with its estimates, errors and fitted surfaces")
+  verb.add_option(
+          "--strip", arguments->strip,
+          "A picture of all frames (at most 1000), each with its estimates, errors and fitted surfaces")
       ->type_name("FILE.png");
   verb.add_option("--gallery", arguments->gallery.even_frames,
                   "Frames that the report shows, spread over the sequence")

@@ -27,8 +27,8 @@ Json camera_json(const Camera& camera);
 Json landmarks_json(const Convention& convention);
 /// Pairs of names.
 Json bones_json(const Convention& convention);
-/// The flesh around a hand (`fitted_flesh`): a piece of eight numbers per cone, x, y, z and radius of one end,
-/// then of the other [mm].
+/// The flesh around a hand (`fitted_flesh`): a piece of eight numbers per cone, x, y, z and radius of one
+/// end, then of the other [mm].
 Json flesh_json(const HandRecord& hand);
 
 /// A frame as bytes: the length of a JSON header as uint32 LE; the header, which holds `fields` (the inside
