@@ -8,8 +8,6 @@
 namespace knuckle {
 namespace {
 
-using ::testing::HasSubstr;
-
 HandRecord hand_with(int id, double index_pip_degrees) {
   HandRecord hand;
   hand.id = id;
