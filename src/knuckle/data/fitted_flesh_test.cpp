@@ -2,21 +2,14 @@
 #include "knuckle/data/fitted_flesh.h"
 
 #include "knuckle/core/testing.h"
-#include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/data/fitted_hand_testing.h"
 #include "knuckle/hand/hand_flesh.h"
 
 namespace knuckle {
 namespace {
 
-/// A right hand of an adult, straight, half a metre away.
 HandRecord fitted_hand() {
-  const auto points =
-      landmarks(adult_skeleton(), HandAngles{}, RigidTransform(Eigen::Translation3d(10.0, 20.0, 500.0)));
-  HandRecord hand;
-  hand.convention = superset_convention();
-  hand.landmarks_mm.assign(points.begin(), points.end());
-  hand.skeleton = "adult";
-  return hand;
+  return testing::fitted_hand({10.0, 20.0, 500.0});
 }
 
 TEST(FittedFlesh, IsThatOfItsLandmarksInAnyOrder) {

@@ -8,7 +8,7 @@
 
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
-#include "knuckle/hand/adult_skeleton.h"
+#include "knuckle/data/fitted_hand_testing.h"
 
 namespace knuckle {
 namespace {
@@ -26,18 +26,6 @@ std::shared_ptr<Frame> frame_in(double unit_mm, bool has_infrared) {
     depth = static_cast<float>(static_cast<double>(random.below(65536)) * unit_mm);
   if (has_infrared) frame->infrared = Image<std::uint16_t>(kCamera.width, kCamera.height, 4711);
   return frame;
-}
-
-/// A right hand of an adult, straight, half a metre away.
-HandRecord fitted_hand() {
-  const auto points =
-      landmarks(adult_skeleton(), HandAngles{}, RigidTransform(Eigen::Translation3d(10.0, 20.0, 500.0)));
-  HandRecord hand;
-  hand.convention = superset_convention();
-  hand.landmarks_mm.assign(points.begin(), points.end());
-  hand.landmarks_px.resize(points.size());
-  hand.skeleton = "adult";
-  return hand;
 }
 
 struct Message {
@@ -89,7 +77,7 @@ TEST(LiveMessages, TheHeaderHoldsTheRecordAsItIsWrittenElsewhere) {
   update.record.frame = 12;
   update.record.name = "na\"me\xff";
   update.record.latency_ms = 4.5;
-  update.record.hands = {fitted_hand(), HandRecord()};
+  update.record.hands = {testing::fitted_hand({10.0, 20.0, 500.0}), HandRecord()};
   update.record.hands[1].convention = superset_convention();
   update.record.hands[1].landmarks_mm.assign(kSupersetSize, Point3::Constant(kNaN));
   update.record.hands[1].landmarks_px.resize(kSupersetSize);

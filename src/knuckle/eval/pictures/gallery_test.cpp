@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "knuckle/core/testing.h"
+#include "knuckle/data/fitted_hand_testing.h"
 #include "knuckle/eval/metrics/eval_fixtures.h"
 #include "knuckle/eval/pictures/surface_picture.h"
-#include "knuckle/hand/adult_skeleton.h"
 
 namespace knuckle {
 namespace {
@@ -14,16 +14,9 @@ namespace {
 using testing::example_truth;
 using testing::FakeSource;
 
-/// A hand that was fitted before the flat ground of FakeSource, whose depth is 510 mm.
+/// FakeSource's flat ground has a depth of 510 mm.
 HandRecord hand_at(double z_mm) {
-  const auto points =
-      landmarks(adult_skeleton(), HandAngles{}, RigidTransform(Eigen::Translation3d(0.0, 60.0, z_mm)));
-  HandRecord hand;
-  hand.convention = superset_convention();
-  hand.landmarks_mm.assign(points.begin(), points.end());
-  hand.landmarks_px.resize(points.size());
-  hand.skeleton = "adult";
-  return hand;
+  return testing::fitted_hand({0.0, 60.0, z_mm});
 }
 
 NamedRecords method_with(const HandRecord& hand, int frames) {
