@@ -162,6 +162,7 @@ std::vector<Figure> angle_figures(std::span<const NamedRecords> records) {
   const std::vector<FollowedHand> hands = longest(fitted_hands(records));
   if (hands.empty()) return {};
   const TimeAxis axis = time_axis(records);
+  if (axis.x.size() < 2) return {};  // no line yet
   std::vector<Figure> figures;
   for (int i = 0; i < kHandAngleCount; ++i)
     figures.push_back(angle_figure(static_cast<HandAngle>(i), hands, axis));

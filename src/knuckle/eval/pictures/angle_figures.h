@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostAngleHands = 7;
 /// time where all frames know theirs and it rises throughout, over their numbers else. A frame in which
 /// a hand was not fitted is a gap. Of many hands those with the most fitted frames are drawn, in the order in
 /// which they appear; of long sequences every n-th frame, which the axis says. Empty where no hand was
-/// fitted.
+/// fitted, or of a single frame.
 std::vector<Figure> angle_figures(std::span<const NamedRecords> records);
 
 }  // namespace knuckle

@@ -56,7 +56,7 @@ TEST(AngleFigures, FollowEachHandInDegreesWithGapsWhereItWasNotFitted) {
 }
 
 TEST(AngleFigures, TheAxisHoldsWhatAHealthyHandCannotDo) {
-  const std::vector<NamedRecords> records{{"a", {frame_with({hand_with(1, 200.0)})}}};
+  const std::vector<NamedRecords> records{{"a", {frame_with({hand_with(1, 200.0)}), frame_with({})}}};
   EXPECT_EQ(figure_named(angle_figures(records), "angle_index_pip").y->end, 210.0);
 }
 
@@ -92,6 +92,13 @@ TEST(AngleFigures, OfALongSequenceEveryNthFrame) {
   EXPECT_EQ(figure.x.size(), 1334u);
   EXPECT_EQ(figure.x[1], 3.0);
   EXPECT_EQ(figure.x_label, "frame, one of 3 frames");
+}
+
+TEST(AngleFigures, ASingleFrameMakesNoCurve) {
+  NamedRecords method{"a", {frame_with({hand_with(1, 10.0)}, 0.5)}};
+  EXPECT_TRUE(angle_figures(std::span(&method, 1)).empty());
+  method.frames.emplace_back();  // nothing is known of it
+  EXPECT_TRUE(angle_figures(std::span(&method, 1)).empty());
 }
 
 TEST(AngleFigures, WithoutAFittedHandThereAreNone) {
