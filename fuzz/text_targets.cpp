@@ -80,23 +80,12 @@ void run_calibration(Bytes bytes) {
 /// A run that was killed goes on from its journal, whatever stands in it.
 void run_journal(Bytes bytes) {
   const FuzzFile journal(bytes, ".journal");
-  const std::filesystem::path result = journal.path().string() + ".txt";
-  const auto remove_all = [&] {
-    std::error_code ignored;
-    std::filesystem::remove(result, ignored);
-    std::filesystem::remove(partial_path(result), ignored);
-  };
-  const FuzzFile partial(as_bytes_of("# head\n1 2 3\n4 5 6\n"), ".none");
-  std::filesystem::copy_file(partial.path(), partial_path(result));
-  try {
-    GrowingFiles files(journal.path(), {{result, "# head\n"}}, {{"source", "fuzz"}},
-                       GrowingFiles::Begin::where_it_stopped);
-    files.for_each_note([](std::string_view note) { (void)note_from_line(note); });
-  } catch (...) {
-    remove_all();
-    throw;
-  }
-  remove_all();
+  const FuzzFolder folder;
+  const std::filesystem::path result = folder.path() / "result.txt";
+  folder.write(partial_path(result).filename(), "# head\n1 2 3\n4 5 6\n");
+  GrowingFiles files(journal.path(), {{result, "# head\n"}}, {{"source", "fuzz"}},
+                     GrowingFiles::Begin::where_it_stopped);
+  files.for_each_note([](std::string_view note) { (void)note_from_line(note); });
 }
 
 }  // namespace knuckle::fuzz
