@@ -16,11 +16,16 @@ find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 
 # LibTorch's CMake package asks for files that Debian leaves out, and warns of each: where it is Debian's, name the three
-# libraries ourselves. Elsewhere (LibTorch 2.x, with CUDA) CMAKE_PREFIX_PATH tells where it lies.
+# libraries ourselves, and those of CUDA where it is libtorch-cuda-dev. Elsewhere CMAKE_PREFIX_PATH tells where it lies.
 find_path(TORCH_API_INCLUDE_FOLDER torch/torch.h PATHS /usr/include/torch/csrc/api/include NO_DEFAULT_PATH)
 if(TORCH_API_INCLUDE_FOLDER)
   target_include_directories(knuckle_torch INTERFACE ${TORCH_API_INCLUDE_FOLDER})
   target_link_libraries(knuckle_torch INTERFACE torch torch_cpu c10 ${CMAKE_DL_LIBS})
+  find_library(TORCH_CUDA_LIBRARY torch_cuda)
+  if(TORCH_CUDA_LIBRARY)
+    # Nothing is called in it by name: what it has registers itself.
+    target_link_libraries(knuckle_torch INTERFACE -Wl,--no-as-needed ${TORCH_CUDA_LIBRARY} c10_cuda -Wl,--as-needed)
+  endif()
 else()
   find_package(Torch REQUIRED)
   target_include_directories(knuckle_torch INTERFACE ${TORCH_INCLUDE_DIRS})

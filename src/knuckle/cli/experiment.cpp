@@ -97,7 +97,8 @@ void add_experiment(CLI::App& program) {
   verb.add_option("--scale", arguments->options.scale,
                   "How much of everything: frames, sizes of models, training; (0, 1]")
       ->capture_default_str();
-  verb.add_option("--device", arguments->options.training.device, "Where networks are trained: cpu | cuda")
+  verb.add_option("--device", arguments->options.training.device,
+                  "Where networks are trained: cpu | cuda | cuda:N")
       ->capture_default_str();
   verb.add_option("--workers", arguments->options.training.workers,
                   "Processes that each training runs as, 1 to 1024; the models are the same for any number")

@@ -17,7 +17,7 @@ void add_train_network(CLI::App& train, const std::function<void(const NetworkAr
   network.add_option("--out", arguments->out, "File for the model")->required();
   network.add_flag("--resume", arguments->resume,
                    "Go on where a training of the same configuration was stopped");
-  network.add_option("--device", arguments->device, "cpu | cuda")->capture_default_str();
+  network.add_option("--device", arguments->device, "cpu | cuda | cuda:N")->capture_default_str();
   network
       .add_option("--minutes", arguments->minutes,
                   "Be done with training in this time; the result then depends on the machine's speed")

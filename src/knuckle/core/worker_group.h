@@ -24,6 +24,8 @@ class WorkerGroup {
   /// This process's number, in [0, size). Worker 0 writes what comes out.
   virtual int rank() const = 0;
   virtual int size() const = 0;
+  /// This process's number among those of its machine, as far as it is known; each may have a GPU of its own.
+  virtual int number_on_machine() const { return rank(); }
   /// Sends message k of `sent` to worker k, for all k, this one included. Returns what all have sent to this
   /// one, in the order of the workers; `sizes` says how many bytes that is of each. Throws where a worker is
   /// lost or has failed (no Error: nobody may work around it), and Interrupted.

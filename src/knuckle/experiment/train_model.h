@@ -11,7 +11,7 @@ namespace knuckle {
 
 /// How models are trained.
 struct TrainingOptions {
-  std::string device = "cpu";        ///< of networks: cpu | cuda
+  std::string device = "cpu";        ///< of networks: cpu | cuda | cuda:N
   std::filesystem::path cache = {};  ///< of networks: folder for cut-out hands; empty: they are not kept
   int workers = 1;                   ///< processes that a training runs as, [1, kMostWorkers]
   std::vector<std::string> starter =

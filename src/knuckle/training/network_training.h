@@ -75,7 +75,7 @@ struct NetworkTrainingRun {
   /// A model of the same architecture, convention and patch, whose weights a training anew begins with;
   /// empty: random weights.
   std::filesystem::path initial;
-  std::string device = "cpu";  ///< cpu | cuda
+  std::string device = "cpu";  ///< cpu | cuda | cuda:N
   /// The learning rate falls, and the training ends, so that all is done in this time [min]; 0: in its own.
   /// What comes out then depends on how fast the machine was.
   double minutes = 0.0;

@@ -487,7 +487,11 @@ TEST_F(NetworkTraining, NamesADeviceThatIsNotThereAndAFileThatCannotBeWritten) {
   EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("abacus"));
   if (!torch::cuda::is_available()) {
     elsewhere.device = "cuda";
-    EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("device cuda"));
+    EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("device cuda:"));
+  }
+  for (const char* const name : {"cuda:", "cuda:x", "cuda:1x", "cuda:-1", "cuda:1000", "cudas"}) {
+    elsewhere.device = name;
+    EXPECT_THAT(error_of([&] { train(short_training(), elsewhere); }), HasSubstr("device")) << name;
   }
   NetworkTrainingRun nowhere = run();
   nowhere.model = "/proc/knuckle/net.pt";

@@ -2,6 +2,7 @@
 #include "knuckle/training/shard_sum.h"
 
 #include <cstring>
+#include <utility>
 
 #include <torch/utils.h>
 
@@ -12,101 +13,139 @@ namespace knuckle {
 namespace {
 
 constexpr std::int64_t kFloat = sizeof(float);
-constexpr std::int64_t kDouble = sizeof(double);
+/// A loss travels among the numbers as the two of its bits.
+constexpr std::int64_t kNumbersPerLoss = sizeof(double) / sizeof(float);
+
+/// Tensors as bytes, through the processor's memory.
+class ByteExchange final : public TensorExchange {
+ public:
+  explicit ByteExchange(WorkerGroup& workers) : workers_(workers) {}
+
+  torch::Tensor exchange(const torch::Tensor& sent, std::vector<std::int64_t> sent_counts,
+                         std::vector<std::int64_t> received_counts) override {
+    for (std::int64_t& count : sent_counts) count *= kFloat;
+    for (std::int64_t& count : received_counts) count *= kFloat;
+    const torch::Tensor numbers = sent.cpu().contiguous();
+    const auto* const first = static_cast<const std::byte*>(numbers.data_ptr());
+    std::vector<std::byte> received =
+        workers_.exchange({{first, first + numbers.nbytes()}, std::move(sent_counts)}, received_counts);
+    const auto kept = std::make_shared<std::vector<std::byte>>(std::move(received));
+    const std::int64_t count = std::ssize(*kept) / kFloat;
+    return torch::from_blob(
+               kept->data(), {count}, [kept](void*) {}, torch::kFloat)
+        .to(sent.device());
+  }
+
+ private:
+  WorkerGroup& workers_;
+};
+
+std::unique_ptr<TensorExchange> exchange_of(WorkerGroup& workers, const torch::Device& device) {
+  std::unique_ptr<TensorExchange> exchange;
+  if (auto* const own = dynamic_cast<DeviceWorkers*>(&workers)) exchange = own->exchange_on(device);
+  return exchange ? std::move(exchange) : std::make_unique<ByteExchange>(workers);
+}
 
 /// All numbers of a list, one tensor after another.
-std::vector<float> flat(const std::vector<torch::Tensor>& tensors) {
+torch::Tensor flat(const std::vector<torch::Tensor>& tensors) {
   std::int64_t length = 0;
   for (const torch::Tensor& tensor : tensors) length += tensor.numel();
-  std::vector<float> values(static_cast<std::size_t>(length));
-  float* next = values.data();
+  torch::Tensor values = torch::empty({length}, tensors.front().options());
+  std::int64_t next = 0;
   for (const torch::Tensor& tensor : tensors) {
-    torch::from_blob(next, tensor.sizes()).copy_(tensor);
+    values.narrow(0, next, tensor.numel()).view(tensor.sizes()).copy_(tensor);
     next += tensor.numel();
   }
   return values;
 }
 
-void set_from_flat(std::vector<float>& values, const std::vector<torch::Tensor>& tensors) {
-  float* next = values.data();
+void set_from_flat(const torch::Tensor& values, const std::vector<torch::Tensor>& tensors) {
+  std::int64_t next = 0;
   for (const torch::Tensor& tensor : tensors) {
-    tensor.copy_(torch::from_blob(next, tensor.sizes()));
+    tensor.copy_(values.narrow(0, next, tensor.numel()).view(tensor.sizes()));
     next += tensor.numel();
   }
 }
 
-void append(Messages& messages, const void* from, std::int64_t size) {
-  const auto* const bytes = static_cast<const std::byte*>(from);
-  messages.bytes.insert(messages.bytes.end(), bytes, bytes + size);
+torch::Tensor numbers_of(std::span<const double> losses) {
+  torch::Tensor numbers = torch::empty({std::ssize(losses) * kNumbersPerLoss});
+  std::memcpy(numbers.data_ptr(), losses.data(), losses.size_bytes());
+  return numbers;
+}
+
+void set_losses(std::span<double> losses, const torch::Tensor& numbers) {
+  const torch::Tensor here = numbers.cpu().contiguous();
+  std::memcpy(losses.data(), here.data_ptr(), losses.size_bytes());
 }
 
 }  // namespace
 
+ShardSum::ShardSum(WorkerGroup& workers, int shards, const torch::Device& device)
+    : workers_(workers), shards_(shards), exchange_(exchange_of(workers, device)) {}
+
 std::vector<double> ShardSum::sum(const std::vector<std::vector<torch::Tensor>>& own,
                                   std::span<const double> losses) {
-  std::vector<std::vector<float>> values(own.size());
+  const torch::NoGradGuard no_gradient;
+  std::vector<torch::Tensor> values(own.size());
   parallel_for(std::ssize(own), [&](std::int64_t i) {
     use_calling_thread_alone();
-    const torch::NoGradGuard no_gradient;
+    const torch::NoGradGuard none_here;
     const auto shard = static_cast<std::size_t>(i);
     values[shard] = flat(own[shard]);
   });
-  std::vector<float> whole = std::move(values.front());
-  values.front() = whole;
-  const std::vector<float> part = summed_part(values, std::ssize(whole));
-  std::vector<double> all_losses = share(part, losses, whole);
+  torch::Tensor whole = torch::empty_like(values.front());
+  std::vector<double> all_losses = share(summed_part(values), losses, whole);
   set_from_flat(whole, own.front());
   return all_losses;
 }
 
 /// The sums of this worker's part of the numbers.
-std::vector<float> ShardSum::summed_part(const std::vector<std::vector<float>>& own, std::int64_t length) {
-  const int count = workers_.size();
-  const PartOfWork mine = part_of_worker(length, workers_.rank(), count);
-  Messages sent;
-  sent.bytes.reserve(static_cast<std::size_t>(std::ssize(own) * length * kFloat));
-  std::vector<std::int64_t> sizes;
-  for (int worker = 0; worker < count; ++worker) {
-    const PartOfWork part = part_of_worker(length, worker, count);
-    for (const std::vector<float>& shard : own) append(sent, shard.data() + part.begin, part.size() * kFloat);
-    sent.sizes.push_back(std::ssize(own) * part.size() * kFloat);
-    sizes.push_back(shards_of(worker).size() * mine.size() * kFloat);
+torch::Tensor ShardSum::summed_part(const std::vector<torch::Tensor>& own) {
+  const int workers = workers_.size();
+  const std::int64_t length = own.front().numel();
+  const std::int64_t mine = part_of_worker(length, workers_.rank(), workers).size();
+  std::vector<torch::Tensor> sent;
+  std::vector<std::int64_t> sent_counts;
+  std::vector<std::int64_t> received_counts;
+  for (int worker = 0; worker < workers; ++worker) {
+    const PartOfWork part = part_of_worker(length, worker, workers);
+    for (const torch::Tensor& shard : own) sent.push_back(shard.narrow(0, part.begin, part.size()));
+    sent_counts.push_back(std::ssize(own) * part.size());
+    received_counts.push_back(shards_of(worker).size() * mine);
   }
-  const std::vector<std::byte> received = workers_.exchange(std::move(sent), sizes);
-  std::vector<float> sum(static_cast<std::size_t>(mine.size()));
-  std::vector<float> term(sum.size());
-  const std::size_t bytes = sum.size() * sizeof(float);
-  std::memcpy(sum.data(), received.data(), bytes);
-  for (std::size_t shard = 1; shard < static_cast<std::size_t>(shards_); ++shard) {
-    std::memcpy(term.data(), received.data() + shard * bytes, bytes);
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += term[i];
-  }
+  const torch::Tensor received =
+      exchange_->exchange(torch::cat(sent), std::move(sent_counts), std::move(received_counts));
+  torch::Tensor sum = received.narrow(0, 0, mine);
+  for (int shard = 1; shard < shards_; ++shard) sum.add_(received.narrow(0, shard * mine, mine));
   return sum;
 }
 
 /// Puts the parts of all workers together as `whole`, and returns the losses of all shards.
-std::vector<double> ShardSum::share(const std::vector<float>& part, std::span<const double> losses,
-                                    std::vector<float>& whole) {
-  const int count = workers_.size();
-  Messages sent;
-  std::vector<std::int64_t> sizes;
-  for (int worker = 0; worker < count; ++worker) {
-    append(sent, part.data(), std::ssize(part) * kFloat);
-    append(sent, losses.data(), std::ssize(losses) * kDouble);
-    sent.sizes.push_back(std::ssize(part) * kFloat + std::ssize(losses) * kDouble);
-    sizes.push_back(part_of_worker(std::ssize(whole), worker, count).size() * kFloat +
-                    shards_of(worker).size() * kDouble);
+std::vector<double> ShardSum::share(const torch::Tensor& part, std::span<const double> losses,
+                                    torch::Tensor& whole) {
+  const int workers = workers_.size();
+  const torch::Tensor own = torch::cat({part, numbers_of(losses).to(part.device())});
+  std::vector<std::int64_t> received_counts;
+  for (int worker = 0; worker < workers; ++worker) {
+    received_counts.push_back(part_of_worker(whole.numel(), worker, workers).size() +
+                              shards_of(worker).size() * kNumbersPerLoss);
   }
-  const std::vector<std::byte> received = workers_.exchange(std::move(sent), sizes);
+  const torch::Tensor received = exchange_->exchange(
+      own.repeat({workers}), std::vector<std::int64_t>(static_cast<std::size_t>(workers), own.numel()),
+      std::move(received_counts));
   std::vector<double> all_losses(static_cast<std::size_t>(shards_));
-  const std::byte* next = received.data();
-  for (int worker = 0; worker < count; ++worker) {
-    const PartOfWork numbers = part_of_worker(std::ssize(whole), worker, count);
+  std::int64_t next = 0;
+  const auto taken = [&](std::int64_t count) {
+    next += count;
+    return received.narrow(0, next - count, count);
+  };
+  for (int worker = 0; worker < workers; ++worker) {
+    const PartOfWork numbers = part_of_worker(whole.numel(), worker, workers);
     const PartOfWork shards = shards_of(worker);
-    std::memcpy(whole.data() + numbers.begin, next, static_cast<std::size_t>(numbers.size() * kFloat));
-    next += numbers.size() * kFloat;
-    std::memcpy(all_losses.data() + shards.begin, next, static_cast<std::size_t>(shards.size() * kDouble));
-    next += shards.size() * kDouble;
+    whole.narrow(0, numbers.begin, numbers.size()).copy_(taken(numbers.size()));
+    set_losses(std::span(all_losses)
+                   .subspan(static_cast<std::size_t>(shards.begin), static_cast<std::size_t>(shards.size())),
+               taken(shards.size() * kNumbersPerLoss));
   }
   return all_losses;
 }

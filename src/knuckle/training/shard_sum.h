@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include <torch/types.h>
 
 #include "knuckle/core/worker_group.h"
+#include "knuckle/workers/tensor_exchange.h"
 
 namespace knuckle {
 
@@ -17,10 +19,12 @@ namespace knuckle {
 ///
 /// Each worker gets all shards' values of its own part of the numbers, sums them, and hands the sums to all.
 /// With L numbers, S shards and N workers each sends about S / N (1 - 1/N) L and then (1 - 1/N) L of them.
+/// Where the workers are DeviceWorkers the numbers stay on their device.
 class ShardSum {
  public:
-  /// `workers` has to live as long as this. The shards are dealt by `part_of_worker`.
-  ShardSum(WorkerGroup& workers, int shards) : workers_(workers), shards_(shards) {}
+  /// `workers` has to live as long as this. The shards are dealt by `part_of_worker`; their numbers lie on
+  /// `device`.
+  ShardSum(WorkerGroup& workers, int shards, const torch::Device& device = torch::kCPU);
 
   /// `own`: for each shard of this worker a list of tensors of 32-bit numbers, of the same shapes for all
   /// shards of all workers. Sets the first list to the sums. Returns the losses of all shards, of which
@@ -29,12 +33,12 @@ class ShardSum {
 
  private:
   PartOfWork shards_of(int worker) const { return part_of_worker(shards_, worker, workers_.size()); }
-  std::vector<float> summed_part(const std::vector<std::vector<float>>& own, std::int64_t length);
-  std::vector<double> share(const std::vector<float>& part, std::span<const double> losses,
-                            std::vector<float>& whole);
+  torch::Tensor summed_part(const std::vector<torch::Tensor>& own);
+  std::vector<double> share(const torch::Tensor& part, std::span<const double> losses, torch::Tensor& whole);
 
   WorkerGroup& workers_;
   int shards_;
+  std::unique_ptr<TensorExchange> exchange_;
 };
 
 }  // namespace knuckle

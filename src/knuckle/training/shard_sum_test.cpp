@@ -61,6 +61,66 @@ TEST_P(ShardSumOf, WorkersHasTheBitsOfTheSumInOrder) {
   });
 }
 
+/// Workers with a way of their own, which counts what it was given.
+class WorkersWithAWay final : public WorkerGroup, public DeviceWorkers {
+ public:
+  explicit WorkersWithAWay(WorkerGroup& others) : others_(others) {}
+
+  int rank() const override { return others_.rank(); }
+  int size() const override { return others_.size(); }
+  double seconds_in_exchange() const override { return 0.0; }
+  std::int64_t bytes_sent() const override { return 0; }
+  std::vector<std::byte> exchange(Messages /*sent*/, const std::vector<std::int64_t>& /*sizes*/) override {
+    ADD_FAILURE() << "sent as bytes";
+    return {};
+  }
+  std::unique_ptr<TensorExchange> exchange_on(const torch::Device& device) override {
+    EXPECT_TRUE(device.is_cpu());
+    return std::make_unique<Way>(*this);
+  }
+  std::int64_t numbers() const { return numbers_; }
+
+ private:
+  class Way final : public TensorExchange {
+   public:
+    explicit Way(WorkersWithAWay& workers) : workers_(workers) {}
+    torch::Tensor exchange(const torch::Tensor& sent, std::vector<std::int64_t> sent_counts,
+                           std::vector<std::int64_t> received_counts) override {
+      workers_.numbers_ += sent.numel();
+      for (std::int64_t& count : sent_counts) count *= 4;
+      for (std::int64_t& count : received_counts) count *= 4;
+      const auto* const first = static_cast<const std::byte*>(sent.data_ptr());
+      std::vector<std::byte> received =
+          workers_.others_.exchange({{first, first + sent.nbytes()}, sent_counts}, received_counts);
+      return torch::from_blob(received.data(), {std::ssize(received) / 4}).clone();
+    }
+
+   private:
+    WorkersWithAWay& workers_;
+  };
+
+  WorkerGroup& others_;
+  std::int64_t numbers_ = 0;
+};
+
+TEST(ShardSum, TakesTheWayThatWorkersHaveForTheirDevice) {
+  const std::vector<torch::Tensor> expected = summed_in_order();
+  ThreadWorkers group(2);
+  group.run([&](WorkerGroup& others) {
+    WorkersWithAWay workers(others);
+    ShardSum sum(workers, kShards);
+    const PartOfWork shards = part_of_worker(kShards, workers.rank(), workers.size());
+    std::vector<std::vector<torch::Tensor>> own;
+    for (auto shard = static_cast<int>(shards.begin); shard < shards.end; ++shard)
+      own.push_back(values_of(shard));
+    const std::vector<double> losses(own.size(), -1e-300);
+    EXPECT_EQ(sum.sum(own, losses), std::vector<double>(kShards, -1e-300));
+    EXPECT_TRUE(torch::equal(own.front()[1], expected[1]));
+    // 20 numbers of each shard, then half of the sums and the losses, to both.
+    EXPECT_EQ(workers.numbers(), std::ssize(own) * 20 + 2 * (10 + 2 * std::ssize(own)));
+  });
+}
+
 TEST(WorkerGroup, SaysWhoIsDifferent) {
   ThreadWorkers group(3);
   group.run([](WorkerGroup& workers) {

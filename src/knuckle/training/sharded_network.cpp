@@ -15,7 +15,7 @@ ShardedNetwork::ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int
     : device_(device), shard_count_(shards), part_{0, shards} {
   if (workers != nullptr) {
     part_ = part_of_worker(shards, workers->rank(), workers->size());
-    among_workers_.emplace(*workers, shards);
+    among_workers_.emplace(*workers, shards, device);
   }
   for (std::int64_t i = part_.begin; i < part_.end; ++i) {
     shards_.push_back(task.make_module(seed));

@@ -82,7 +82,7 @@ Trainer::Trainer(const TrainingTask& task, const NetworkTrainingOptions& options
     : task_(task),
       options_(options),
       run_(run),
-      device_(device_from_name(run.device)),
+      device_(device_from_name(run.device, run.workers == nullptr ? 0 : run.workers->number_on_machine())),
       step_count_(steps_of(task.views()->size(), options)),
       network_(task, options.seed, options.shards, device_, run.workers),
       averaged_(task.make_module(options.seed)),

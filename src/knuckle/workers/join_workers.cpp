@@ -22,8 +22,11 @@
 #include "knuckle/core/interruption.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/storage/content_hash.h"
+#include "knuckle/workers/c10d_workers.h"
 #include "knuckle/workers/meeting_place.h"
+#include "knuckle/workers/nccl_exchange.h"
 #include "knuckle/workers/own_address.h"
+#include "knuckle/workers/tensor_exchange.h"
 #include "knuckle/workers/watch.h"
 
 namespace knuckle {
@@ -34,8 +37,6 @@ using Gloo = c10d::ProcessGroupGloo;
 constexpr auto kLook = std::chrono::milliseconds(20);
 /// How often one that waits for a message looks whether its sender still lives.
 constexpr auto kPatience = std::chrono::milliseconds(500);
-/// Messages have no time limit of their own: who is alive may be long at work before it sends one.
-constexpr auto kNoLimit = std::chrono::hours(24 * 365);
 /// Within this time workers tell how they ended; those whose heart has not beaten for as long are lost.
 constexpr double kTimeToTell = 5.0;
 constexpr double kSilence = 3.5;
@@ -93,7 +94,7 @@ std::string left(int rank) {
   return fmt::format("left/{}", rank);
 }
 
-class GlooWorkers final : public JoinedWorkers {
+class GlooWorkers final : public C10dWorkers, public DeviceWorkers {
  public:
   explicit GlooWorkers(const JoinOptions& options)
       : options_(options),
@@ -121,6 +122,7 @@ class GlooWorkers final : public JoinedWorkers {
 
   int rank() const override { return place_.rank; }
   int size() const override { return place_.size; }
+  int number_on_machine() const override { return place_.number_on_machine; }
   double seconds_in_exchange() const override { return seconds_in_exchange_; }
   std::int64_t bytes_sent() const override { return bytes_sent_; }
   bool has_seen_fault() const override { return watch_ && watch_->has_seen_fault(); }
@@ -128,20 +130,40 @@ class GlooWorkers final : public JoinedWorkers {
   std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
     end_if_over();
     const Stopwatch watch;
-    bytes_sent_ += std::ssize(sent.bytes) - sent.sizes[static_cast<std::size_t>(place_.rank)];
+    const std::int64_t others = std::ssize(sent.bytes) - sent.sizes[static_cast<std::size_t>(place_.rank)];
     auto pending = std::make_unique<Pending>(std::move(sent), sizes);
     try {
       wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_sizes,
                                       pending->sent.sizes));
     } catch (const std::exception& error) {
-      is_broken_ = true;
-      remember(error.what());
       static_cast<void>(pending.release());  // a thread of Gloo may still write there
-      end_if_over();
-      throw WorkersFault(reason_);
+      throw fault_of_exchange(error.what());
     }
-    seconds_in_exchange_ += watch.seconds();
+    add_exchange(watch.seconds(), others);
     return std::move(pending->received);
+  }
+
+  std::unique_ptr<TensorExchange> exchange_on(const torch::Device& device) override {
+    return nccl_exchange(*this, device);
+  }
+
+  const c10::intrusive_ptr<c10d::Store>& store() override { return notes_->store(); }
+
+  void end_if_over() override {
+    if (is_over()) throw WorkersFault("a worker has ended");
+    end_if_interrupted();
+  }
+
+  WorkersFault fault_of_exchange(const std::string& reason) override {
+    is_broken_ = true;
+    remember(reason);
+    end_if_over();
+    return WorkersFault(reason_);
+  }
+
+  void add_exchange(double seconds, std::int64_t bytes) override {
+    seconds_in_exchange_ += seconds;
+    bytes_sent_ += bytes;
   }
 
   std::optional<std::string> ended_with(const std::string& own) override {
@@ -220,7 +242,7 @@ class GlooWorkers final : public JoinedWorkers {
 
   /// Connects each with each, which cannot be broken off: where one is lost meanwhile, it is left alone.
   void connect() {
-    auto options = Gloo::Options::create(kNoLimit);
+    auto options = Gloo::Options::create(kNoTimeLimit);
     options->threads = 1;
     options->devices.push_back(network_device(place_));
     std::packaged_task<c10::intrusive_ptr<Gloo>()> task([store = notes_->store(), options, place = place_] {
@@ -244,11 +266,6 @@ class GlooWorkers final : public JoinedWorkers {
 
   std::optional<std::string> fault_of_process() const {
     return options_.fault_of_process ? options_.fault_of_process() : std::nullopt;
-  }
-
-  void end_if_over() {
-    if (is_over()) throw WorkersFault("a worker has ended");
-    end_if_interrupted();
   }
 
   void wait_for(c10d::Work& work) {

@@ -51,6 +51,10 @@ WorkerPlace checked(WorkerPlace place, const char* size_variable, int workers) {
   return place;
 }
 
+int number_on_machine(const char* name, const WorkerPlace& place) {
+  return static_cast<int>(number_in(name, 0, kMostWorkers).value_or(place.rank));
+}
+
 WorkerPlace named_place(int workers, long long rank) {
   WorkerPlace place;
   place.rank = static_cast<int>(rank);
@@ -58,6 +62,7 @@ WorkerPlace named_place(int workers, long long rank) {
   place.address = required(variable("MASTER_ADDR"), "MASTER_ADDR", "RANK");
   place.port =
       static_cast<std::uint16_t>(required(number_in("MASTER_PORT", 1, kLargestPort), "MASTER_PORT", "RANK"));
+  place.number_on_machine = number_on_machine("LOCAL_RANK", place);
   return checked(place, "WORLD_SIZE", workers);
 }
 
@@ -73,6 +78,7 @@ WorkerPlace place_in_slurm(int workers, long long tasks) {
   const long long job = number_in("SLURM_JOB_ID", 0, 1LL << 40).value_or(0);
   place.port = static_cast<std::uint16_t>(
       number_in("MASTER_PORT", 1, kLargestPort).value_or(kFirstPortOfJobs + job % kPortsOfJobs));
+  place.number_on_machine = number_on_machine("SLURM_LOCALID", place);
   return checked(place, kTasks, workers);
 }
 
@@ -82,6 +88,7 @@ WorkerPlace worker_place(int workers) {
   if (workers <= 1) return {};
   if (const auto rank = number_in(kRankVariable, 0, kMostWorkers)) {
     WorkerPlace place{.rank = static_cast<int>(*rank), .size = workers, .folder = {}, .address = {}};
+    place.number_on_machine = place.rank;
     place.folder = required(variable(kFolderVariable), kFolderVariable, kRankVariable);
     return checked(place, kRankVariable, workers);
   }

@@ -12,6 +12,7 @@ namespace knuckle {
 struct WorkerPlace {
   int rank = 0;
   int size = 1;
+  int number_on_machine = 0;  ///< among the workers of its machine; its rank where nothing says it
   /// Workers of one machine meet in a folder that worker 0 makes. Empty: not known yet, or at an address.
   std::filesystem::path folder;
   std::string address;     ///< of worker 0's machine; empty: all are on this machine

@@ -21,8 +21,8 @@ class WorkerPlaceTest : public ::testing::Test {
   static void set(const char* name, const char* value) { ::setenv(name, value, 1); }
   static void clear() {
     for (const char* const name :
-         {kRankVariable, kFolderVariable, "RANK", "WORLD_SIZE", "MASTER_ADDR", "MASTER_PORT",
-          "SLURM_STEP_NUM_TASKS", "SLURM_PROCID", "SLURM_STEP_NODELIST", "SLURM_JOB_ID"}) {
+         {kRankVariable, kFolderVariable, "RANK", "WORLD_SIZE", "MASTER_ADDR", "MASTER_PORT", "LOCAL_RANK",
+          "SLURM_STEP_NUM_TASKS", "SLURM_PROCID", "SLURM_LOCALID", "SLURM_STEP_NODELIST", "SLURM_JOB_ID"}) {
       ::unsetenv(name);
     }
   }
@@ -44,6 +44,9 @@ TEST_F(WorkerPlaceTest, OfAStepOfSlurmIsItsTask) {
   EXPECT_EQ(place.rank, 2);
   EXPECT_EQ(place.address, "node07");
   EXPECT_EQ(place.port, 21234);
+  EXPECT_EQ(place.number_on_machine, 2) << "nothing says that others of the four are elsewhere";
+  set("SLURM_LOCALID", "1");
+  EXPECT_EQ(worker_place(4).number_on_machine, 1);
   EXPECT_THAT(error_of([] { worker_place(3); }), HasSubstr("--workers 4"));
   set("SLURM_PROCID", "4");
   EXPECT_THAT(error_of([] { worker_place(4); }), HasSubstr("worker 4 of 4"));
@@ -67,6 +70,9 @@ TEST_F(WorkerPlaceTest, IsTakenFromTheVariablesOfPyTorchFirst) {
   set("MASTER_PORT", "7000");
   EXPECT_EQ(worker_place(2).rank, 1);
   EXPECT_EQ(worker_place(2).port, 7000);
+  EXPECT_EQ(worker_place(2).number_on_machine, 1);
+  set("LOCAL_RANK", "0");
+  EXPECT_EQ(worker_place(2).number_on_machine, 0) << "the first of another machine";
   set("RANK", "one");
   EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("RANK"));
 }
@@ -77,6 +83,7 @@ TEST_F(WorkerPlaceTest, OfOneThatWasStartedIsWithAllOthers) {
               HasSubstr("KNUCKLE_WORKER is set, and KNUCKLE_WORKERS_FOLDER is not"));
   set(kFolderVariable, "/meeting");
   EXPECT_EQ(worker_place(2).folder, "/meeting");
+  EXPECT_EQ(worker_place(2).number_on_machine, 1);
   set(kRankVariable, "2");
   EXPECT_THAT(error_of([] { worker_place(2); }), HasSubstr("this is worker 2 of 2"));
   set(kRankVariable, "-1");
