@@ -59,7 +59,7 @@ class NetworkTest : public ::testing::Test {
 TEST_F(NetworkTest, ADeviceThatIsNotThereIsSaidBeforeAnythingIsDone) {
   write_text_file(path("net.pt.checkpoint"), "of an earlier training");
   EXPECT_THAT(train(config(), {"--device", "abacus"}),
-              FailedWith("device is \"abacus\", expected cpu or cuda"));
+              FailedWith("device is \"abacus\", expected cpu, cuda or cuda:N"));
   EXPECT_EQ(read_text_file(path("net.pt.checkpoint")), "of an earlier training");
   EXPECT_THAT(entries_of(folder_.path()), UnorderedElementsAre("net.pt.checkpoint", "train.toml"));
 }
