@@ -284,6 +284,12 @@ TEST(MakeHumanPackageTest, BonesWeightsAndJointsThatDoNotFitAreNamed) {
                  R"("influencesPerVertex": 4, "skinWeights": [1, 0, 0, 0], "skinIndices": [0, -1, 0, 0])",
                  cubes),
       HasSubstr("a weight names bone -1"));
+  for (const std::string number : {"1.8e+54", "4294967296", "18446744073709551615", "0.5", "\"0\""}) {
+    EXPECT_THAT(fault_with(R"([{"name": "a", "parent": )" + number + "}]", weights, cubes),
+                HasSubstr(number + " stands where"))
+        << "none is rounded or cut";
+  }
+  EXPECT_THAT(fault_with(one_bone, weights, R"({"a": 0})"), HasSubstr("are no list"));
   EXPECT_THAT(fault_with(one_bone, weights, R"({"a": []})"), HasSubstr("joint 'a' has no vertices"));
   EXPECT_THAT(fault_with(one_bone, weights, R"({"a": [0, 1]})"), HasSubstr("joint 'a' names vertex 1"));
   EXPECT_THAT(fault_with(one_bone, weights, R"({"a": [-1]})"), HasSubstr("joint 'a' names vertex -1"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <fstream>
+#include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -36,6 +37,23 @@ json read_json(const std::filesystem::path& path) {
   }
 }
 
+/// JSON's numbers may have any size, and fractions.
+std::int32_t whole_number(const json& value) {
+  constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  const double number = value.is_number_integer() ? value.get<double>() : kMost + 1.0;
+  if (number < kLeast || number > kMost)
+    fail("{} stands where a number of a bone, face or vertex belongs", value.dump());
+  return static_cast<std::int32_t>(number);
+}
+
+std::vector<std::int32_t> whole_numbers(const json& values) {
+  if (!values.is_array()) fail("numbers of bones, faces or vertices are no list");
+  std::vector<std::int32_t> numbers;
+  for (const json& value : values) numbers.push_back(whole_number(value));
+  return numbers;
+}
+
 /// "wrist.R____head" -> "wrist.R": the package makes two nodes of each bone.
 std::string bone_of_node(const std::string& node) {
   return node.ends_with(kHeadSuffix) ? node.substr(0, node.size() - kHeadSuffix.size()) : node;
@@ -46,7 +64,7 @@ std::vector<std::int32_t> read_bones(const json& nodes, MakeHumanMesh& mesh) {
   std::vector<std::int32_t> bone_of;
   for (const json& node : nodes) {
     const std::string name = bone_of_node(node.at("name").get<std::string>());
-    const int parent_node = node.at("parent").get<int>();
+    const std::int32_t parent_node = whole_number(node.at("parent"));
     if (parent_node >= static_cast<int>(bone_of.size())) fail("bone '{}' comes before its parent", name);
     const std::int32_t parent = parent_node < 0 ? -1 : bone_of[parent_node];
     if (parent >= 0 && mesh.bones[parent] == name) {
@@ -70,7 +88,7 @@ void read_vertices(const json& document, MakeHumanMesh& mesh) {
 
 void read_quads(const json& document, MakeHumanMesh& mesh) {
   for (const json& material : document.at("materials")) mesh.materials.push_back(material.at("DbgName"));
-  const auto numbers = document.at("faces").get<std::vector<std::int32_t>>();
+  const auto numbers = whole_numbers(document.at("faces"));
   if (numbers.size() % kFaceStride != 0) fail("'faces' has {} numbers", numbers.size());
   for (std::size_t i = 0; i < numbers.size(); i += kFaceStride) {
     if (numbers[i] != kQuadWithTexture)
@@ -87,7 +105,7 @@ void read_quads(const json& document, MakeHumanMesh& mesh) {
 
 void read_weights(const json& document, const std::vector<std::int32_t>& bone_of_node, MakeHumanMesh& mesh) {
   const auto weights = document.at("skinWeights").get<std::vector<float>>();
-  const auto nodes = document.at("skinIndices").get<std::vector<std::int32_t>>();
+  const auto nodes = whole_numbers(document.at("skinIndices"));
   const std::size_t expected = 4 * mesh.vertices_mm.size();
   if (document.at("influencesPerVertex") != 4 || weights.size() != expected || nodes.size() != expected) {
     fail("expected 4 skin weights a vertex");
@@ -106,7 +124,7 @@ void read_weights(const json& document, const std::vector<std::int32_t>& bone_of
 
 void read_joint_cubes(const json& document, MakeHumanMesh& mesh) {
   for (const auto& [name, vertices] : document.at("metadata").at("joint_pos_idxs").items()) {
-    const auto cube = vertices.get<std::vector<std::int32_t>>();
+    const auto cube = whole_numbers(vertices);
     if (cube.empty()) fail("joint '{}' has no vertices", name);
     const auto [low, high] = std::ranges::minmax(cube);
     if (low < 0 || high >= std::ssize(mesh.vertices_mm))
