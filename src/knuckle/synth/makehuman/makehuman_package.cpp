@@ -38,13 +38,16 @@ json read_json(const std::filesystem::path& path) {
 }
 
 /// JSON's numbers may have any size, and fractions.
+bool is_whole_number(const json& value) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  return value.is_number_integer() && value.get<double>() >= Limits::min() &&
+         value.get<double>() <= Limits::max();
+}
+
 std::int32_t whole_number(const json& value) {
-  constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
-  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
-  const double number = value.is_number_integer() ? value.get<double>() : kMost + 1.0;
-  if (number < kLeast || number > kMost)
+  if (!is_whole_number(value))
     fail("{} stands where a number of a bone, face or vertex belongs", value.dump());
-  return static_cast<std::int32_t>(number);
+  return value.get<std::int32_t>();
 }
 
 std::vector<std::int32_t> whole_numbers(const json& values) {
