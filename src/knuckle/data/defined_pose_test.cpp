@@ -10,8 +10,9 @@ namespace {
 using testing::error_of;
 using ::testing::HasSubstr;
 
-Projection some_projection() {
+Projection some_projection(CameraModel model = CameraModel::projective) {
   Camera camera;
+  camera.model = model;
   camera.width = 320;
   camera.height = 240;
   camera.fx = 250;
@@ -64,11 +65,24 @@ TEST(DefinedPose, MovesInMillimetresAndMissesWhatIsBehindTheCamera) {
   const Point3 wrist = projection.to_camera(moved.joints[0]);
   EXPECT_NEAR((wrist - points[0]).norm(), 0.5 * palm_length(points), 1e-9);
   EXPECT_GT(wrist.z(), points[0].z() + 0.4 * palm_length(points));
-  const HandPose near = straight_hand(projection, 100.0);
   definition.landmarks[0].offset = {0.0, 0.0, 2.0};
-  const HandPose behind = defined_pose(definition, near, projection, HandSide::right);
-  EXPECT_TRUE(behind.joints[0].is_missing());
-  EXPECT_FALSE(behind.joints[1].is_missing());
+  for (const CameraModel model : {CameraModel::projective, CameraModel::orthographic}) {
+    const Projection near = some_projection(model);
+    const HandPose behind = defined_pose(definition, straight_hand(near, 100.0), near, HandSide::right);
+    EXPECT_TRUE(behind.joints[0].is_missing());
+    EXPECT_FALSE(behind.joints[1].is_missing());
+  }
+}
+
+TEST(DefinedPose, NobodyIsSureOfALandmarkThatThePoseLacks) {
+  const Projection projection = some_projection();
+  const HandPose without_wrist = converted(straight_hand(projection), convention_from_name("icg20"));
+  ASSERT_LT(without_wrist.convention.index_of(Landmark::wrist), 0);
+  const HandPose defined = defined_pose(LandmarkDefinition::plain(convention_from_name("mediapipe21")),
+                                        without_wrist, projection, HandSide::right);
+  EXPECT_TRUE(defined.joints[0].is_missing());
+  EXPECT_EQ(defined.confidence[0], 0.0f);
+  EXPECT_GT(defined.confidence[8], 0.0f);
 }
 
 TEST(DefinedPose, NeedsAllLandmarks) {

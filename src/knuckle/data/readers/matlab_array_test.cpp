@@ -174,6 +174,9 @@ TEST_F(MatlabArrayTest, HeadsThatAskForTheMachineAreRefused) {
   }
   EXPECT_THAT(error_of_file(header() + packed(matrix(kFlags + vast + kName + values))),
               HasSubstr("more values than the file can hold"));
+  const std::string around = tagged(5, stored<std::int32_t>({1 << 30, 1 << 30, 16}));  // 2^64, in 64 bits: 0
+  EXPECT_THAT(error_of_file(header() + matrix(kFlags + around + kName + tagged(9, ""))),
+              HasSubstr("more values than the file can hold"));
   const std::string backwards = tagged(5, stored<std::int32_t>({-2, -3}));
   EXPECT_THAT(error_of_file(header() + matrix(kFlags + backwards + kName + values)), HasSubstr("length -2"));
 }

@@ -57,6 +57,20 @@ TEST(LikelyCoordinatesTest, SaysNothingOfWhatIsReadAsItShouldBe) {
   }
 }
 
+TEST(LikelyCoordinatesTest, SaysNothingWhereAnotherReadingIsBetterButBad) {
+  const Truth truth = example_truth(20);
+  const PoseCoordinates upwards{PoseCoordinates::Kind::xyz, axes_from_text("x,-y,z"), 1.0};
+  const auto likely_of = [&](double deviation_mm) {
+    PoseNumbers numbers = written_as(upwards, truth, example_predictions(truth, "mine", deviation_mm));
+    numbers.coordinates.kind = PoseCoordinates::Kind::xyz;
+    return likely_coordinates(truth, numbers);
+  };
+  const auto near = likely_of(2.0);
+  ASSERT_TRUE(near);
+  EXPECT_GT(near->median_as_read_mm, 40.0);
+  EXPECT_FALSE(likely_of(near->median_as_read_mm / 2.0));
+}
+
 TEST(LikelyCoordinatesTest, SaysNothingWhereNothingCanBeCompared) {
   const Truth truth = example_truth(20);
   const Predictions predictions = example_predictions(truth, "mine", 1.0);

@@ -73,6 +73,15 @@ TEST(AngleFigures, StandInTimeWhereItIsKnownAndRises) {
   EXPECT_EQ(angle_figures(records).front().x_label, "frame") << "a hand without time";
 }
 
+TEST(AngleFigures, ATimeThatIsNoNumberIsNone) {
+  std::vector<NamedRecords> records{
+      {"a", {frame_with({hand_with(1, 0.0)}, kNaN), frame_with({hand_with(1, 0.0)}, kNaN)}},
+      {"b", {frame_with({hand_with(1, 0.0)}, 3.0), frame_with({hand_with(1, 0.0)}, 3.5)}}};
+  const Figure figure = angle_figures(records).front();
+  EXPECT_EQ(figure.x_label, "time (s)") << "the second method knows it";
+  EXPECT_EQ(figure.x, (std::vector{0.0, 0.5}));
+}
+
 TEST(AngleFigures, OfManyHandsThoseThatWereFollowedLongest) {
   NamedRecords method{"a", {}};
   for (int id = 1; id <= 20; ++id) {

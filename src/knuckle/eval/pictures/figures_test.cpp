@@ -73,6 +73,19 @@ TEST(Figures, AreTheSameBytesEveryTime) {
   EXPECT_EQ(read_text_file(folder / "small.png"), png);
 }
 
+TEST(Figures, ShortenLongNamesByCharactersNotBytes) {
+  const auto repeated = [](int times) {
+    std::string text;
+    for (int i = 0; i < times; ++i) text += "\u00e4";
+    return text;
+  };
+  const TemporaryFolder folder;
+  write_figures(std::vector{small_figure({repeated(36), repeated(40) + "end"})}, folder.path());
+  const std::string svg = read_text_file(folder / "small.svg");
+  EXPECT_THAT(svg, HasSubstr(">" + repeated(36) + "<"));
+  EXPECT_THAT(svg, HasSubstr(">" + repeated(36) + "\u2026<"));
+}
+
 TEST(Figures, ExecuteNothingThatANameHolds) {
   const TemporaryFolder folder;
   const std::string trace = "eval_trace";  // in the working folder: a legend shortens long names

@@ -95,6 +95,15 @@ TEST_F(ReportTest, IsWellFormedEscapedAndNeedsNothingElse) {
   EXPECT_EQ(count_of(html, "url("), 0);
 }
 
+TEST_F(ReportTest, HoldsMeanAndMedianOfTheOverlaps) {
+  const std::string html = segmentation_section(report_.segmentation, {});
+  const std::size_t mean = html.find(">0.433<");
+  const std::size_t median = html.find(">0.400<");
+  ASSERT_NE(mean, std::string::npos);
+  ASSERT_NE(median, std::string::npos);
+  EXPECT_LT(mean, median) << "in the order of their heads";
+}
+
 TEST_F(ReportTest, MarksTheBestOfEachMeasure) {
   const std::string html = page();
   EXPECT_THAT(html, HasSubstr("good</td><td class=\"best\">0</td>"));
