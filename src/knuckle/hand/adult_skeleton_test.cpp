@@ -46,5 +46,18 @@ TEST(AdultSkeletonTest, AFistPutsTheTipsAtThePalm) {
   }
 }
 
+TEST(AdultSkeletonTest, AThumbBeforeThePalmBendsTowardsTheLittleFinger) {
+  const auto to_little_finger_mm = [](double bend) {
+    HandAngles thumb;
+    thumb[HandAngle::thumb_palmar] = 0.9;
+    thumb[HandAngle::thumb_mcp] = thumb[HandAngle::thumb_ip] = bend;
+    const auto points = landmarks(adult_skeleton(), thumb, RigidTransform::Identity());
+    return (points[static_cast<std::size_t>(Landmark::thumb_tip)] -
+            points[static_cast<std::size_t>(Landmark::little_mcp)])
+        .norm();
+  };
+  EXPECT_LT(to_little_finger_mm(0.6), to_little_finger_mm(0.0) - 25.0);
+}
+
 }  // namespace
 }  // namespace knuckle

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/label/label_change.h"
 
+#include <array>
+#include <string_view>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/label/label_testing.h"
 
@@ -32,6 +35,20 @@ std::string with(std::string line, const std::string& from, const std::string& t
   const std::size_t at = line.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return line.replace(at, from.size(), to);
+}
+
+TEST(LabelNames, AreThoseOfTheFormat) {
+  const std::array<std::string_view, 4> states = {"estimated", "propagated", "corrected", "verified"};
+  for (std::size_t i = 0; i < states.size(); ++i) EXPECT_EQ(name_of(static_cast<LabelState>(i)), states[i]);
+  EXPECT_EQ(name_of(LabelAct::estimate), "estimate");
+  EXPECT_EQ(name_of(LabelAct::propagate), "propagate");
+  EXPECT_EQ(name_of(LabelAct::import), "import");
+  EXPECT_EQ(name_of(LabelAct::correct), "correct");
+  EXPECT_EQ(name_of(LabelAct::look), "look");
+  EXPECT_EQ(name_of(LabelAct::verify), "verify");
+  EXPECT_EQ(name_of(LabelAct::undo), "undo");
+  EXPECT_EQ(name_of(LabelAct::redo), "redo");
+  EXPECT_EQ(name_of(LabelAct::brush), "brush");
 }
 
 TEST(LabelChange, ALineIsReadAsItWasWritten) {

@@ -49,6 +49,24 @@ TEST_F(LabelledSourceTest, VerifiedHandsAreTheTruth) {
   EXPECT_FALSE(labelled.read(3).truth);
 }
 
+/// Whose pixels begin at their corner.
+class CornerSource final : public FrameSource {
+ public:
+  std::int64_t size() const override { return hand_.size(); }
+  Frame read(std::int64_t index) const override { return hand_.read(index); }
+  FrameLabel read_label(std::int64_t index) const override { return hand_.read_label(index); }
+  std::optional<Convention> convention() const override { return std::nullopt; }
+  PixelOrigin pixel_origin() const override { return PixelOrigin::corner; }
+
+ private:
+  ClosingHand hand_{4};
+};
+
+TEST_F(LabelledSourceTest, PixelsBeginWhereTheSourcesDo) {
+  EXPECT_EQ(LabelledSource(CornerSource(), book_, {}).pixel_origin(), PixelOrigin::corner);
+  EXPECT_EQ(LabelledSource(source_, book_, {}).pixel_origin(), PixelOrigin::centre);
+}
+
 TEST_F(LabelledSourceTest, LessSureHandsAndOneSideCanBeAskedFor) {
   EXPECT_EQ(LabelledSource(source_, book_, {.least = LabelState::estimated}).labelled_count(), 3);
   const LabelledSource right(source_, book_, {.least = LabelState::corrected, .side = HandSide::right});
