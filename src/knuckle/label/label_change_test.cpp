@@ -104,6 +104,7 @@ TEST(LabelChange, NonsenseIsRefusedByLineAndKey) {
   EXPECT_THAT(refusal(with(line, "12.3456,", "")), HasSubstr("landmarks.palm: expected null or"));
   EXPECT_THAT(refusal(with(line, "12.3456", "true")), HasSubstr("landmarks.palm: expected a number"));
   EXPECT_THAT(refusal(with(line, "4.2", "-1")), HasSubstr("seconds: is -1"));
+  EXPECT_THAT(refusal(with(line, "4.2", "1e7")), HasSubstr("seconds: is 1"));
   EXPECT_THAT(refusal(with(line, "2026-11-23", std::string(300, '2'))),
               HasSubstr("bytes, expected 256 at most"));
   const std::size_t begin = line.find("\"landmarks\":{") + 12;

@@ -112,6 +112,12 @@ TEST(CubePatch, NothingInTheCubeIsNoPatch) {
   EXPECT_FALSE(extract_cube(wall(500), {160, 120, -500}, kCube));
   EXPECT_FALSE(extract_cube(wall(500), ImagePoint{}, kCube));
   EXPECT_THAT(error_of([] { extract_cube(wall(500), {160, 120, 500}, {1, 250}); }), HasSubstr("1 px"));
+  for (const double side_mm : {0.0, -250.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THAT(error_of([&] {
+                  extract_cube(wall(500), {160, 120, 500}, {96, side_mm});
+                }),
+                HasSubstr("a side above 0"));
+  }
 }
 
 TEST(CubePatch, TheExtractorsModeChoosesIt) {

@@ -85,5 +85,22 @@ TEST_F(PipelineFile, AnEstimatorOfOnesOwnTakesThePlaceOfItsTable) {
               HasSubstr("unknown key"));
 }
 
+TEST_F(PipelineFile, NumbersOfHandsHaveRanges) {
+  const auto made = [&](const std::string& text) {
+    return Pipeline::from_toml("[hand]\n" + text, folder_.path(), std::make_unique<PalmEstimator>());
+  };
+  for (const char* const text :
+       {"max_hands = 1", "max_hands = 16", "candidates = 1", "candidates = 16", "sure_confidence = 0",
+        "sure_confidence = 1", "hand_weight = 1", "judged_below = 1"}) {
+    EXPECT_NO_THROW(made(text)) << text;
+  }
+  for (const char* const text :
+       {"max_hands = 0", "max_hands = 17", "candidates = 0", "candidates = 17", "sure_confidence = -0.1",
+        "sure_confidence = 1.1", "hand_weight = 1.1", "judged_below = 1.1"}) {
+    const std::string key(text, std::string_view(text).find(' '));
+    EXPECT_THAT(testing::error_of([&] { made(text); }), AllOf(HasSubstr(key), HasSubstr("expected"))) << text;
+  }
+}
+
 }  // namespace
 }  // namespace knuckle
