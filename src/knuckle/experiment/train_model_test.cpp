@@ -2,10 +2,12 @@
 #include "knuckle/experiment/train_model.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "knuckle/core/parallel.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/text.h"
 #include "knuckle/core/text_file.h"
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/storage/file_io.h"
@@ -29,14 +31,11 @@ class TrainModelTest : public ::testing::Test {
         "MODEL='" + model_.string() + "'; shift; printf '%s\\n' \"$@\" > '" + words_.string() + "'; " + then;
     options.starter = {"/bin/sh", "-c", script, "sh"};
     train_model(kind, "config.toml", options, start, model_);
-    return lines_of(read_text_file(words_));
-  }
-
-  static std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    for (std::size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
-      lines.push_back(text.substr(begin, end - begin));
-    return lines;
+    std::string text = read_text_file(words_);
+    text.pop_back();  // the last line's end
+    std::vector<std::string> arguments;
+    for (const std::string_view word : split(text, '\n')) arguments.emplace_back(word);
+    return arguments;
   }
 
   void leave(const std::string& ending) { write_text_file(model_.string() + ending, "left"); }

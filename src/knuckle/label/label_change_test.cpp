@@ -40,15 +40,9 @@ std::string with(std::string line, const std::string& from, const std::string& t
 TEST(LabelNames, AreThoseOfTheFormat) {
   const std::array<std::string_view, 4> states = {"estimated", "propagated", "corrected", "verified"};
   for (std::size_t i = 0; i < states.size(); ++i) EXPECT_EQ(name_of(static_cast<LabelState>(i)), states[i]);
-  EXPECT_EQ(name_of(LabelAct::estimate), "estimate");
-  EXPECT_EQ(name_of(LabelAct::propagate), "propagate");
-  EXPECT_EQ(name_of(LabelAct::import), "import");
-  EXPECT_EQ(name_of(LabelAct::correct), "correct");
-  EXPECT_EQ(name_of(LabelAct::look), "look");
-  EXPECT_EQ(name_of(LabelAct::verify), "verify");
-  EXPECT_EQ(name_of(LabelAct::undo), "undo");
-  EXPECT_EQ(name_of(LabelAct::redo), "redo");
-  EXPECT_EQ(name_of(LabelAct::brush), "brush");
+  const std::array<std::string_view, 9> acts = {"estimate", "propagate", "import", "correct", "look",
+                                                "verify",   "undo",      "redo",   "brush"};
+  for (std::size_t i = 0; i < acts.size(); ++i) EXPECT_EQ(name_of(static_cast<LabelAct>(i)), acts[i]);
 }
 
 TEST(LabelChange, ALineIsReadAsItWasWritten) {
