@@ -193,6 +193,26 @@ TEST_F(CubeViewTest, FaultsTouchThePixelsOfTheHandAlone) {
   EXPECT_NEAR(static_cast<double>(hand_pixels(holed)) / count, 0.5, 0.1);
 }
 
+TEST_F(CubeViewTest, NoiseHasMeanZeroAndTheDeviationAskedFor) {
+  constexpr int kSeeds = 60;
+  constexpr double kNoiseMm = 2.0;
+  const std::vector<float> whole = pixels({});
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const std::vector<float> noisy = pixels({}, {.noise_mm = kNoiseMm}, static_cast<std::uint64_t>(seed));
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      if (noisy[i] == kCubeBackground) continue;
+      const double deviations = (noisy[i] - whole[i]) * 0.5 * kTestCube.side_mm / kNoiseMm;
+      sum += deviations;
+      squares += deviations * deviations;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 5000.0);
+  EXPECT_NEAR(sum / count, 0.0, 4.0 / std::sqrt(count));
+  EXPECT_NEAR(std::sqrt(squares / count), 1.0, 4.0 / std::sqrt(2.0 * count));
+}
+
 TEST_F(CubeViewTest, WhatIsErasedLiesWhereItSays) {
   const std::vector<float> whole = pixels({});
   const std::vector<float> erased = pixels({}, {.erased_u = 20, .erased_v = 9, .erased_radius = 5});

@@ -95,6 +95,15 @@ TEST(DetectorSamples, KeepWhatWasSeenWithinTheirSteps) {
   }
 }
 
+TEST(DetectorSamples, TakeAsManyBytesAsTheySay) {
+  const Frame frame = ball_frame({30, -20, 600}, HandSide::right);
+  const DetectorSamples samples = detector_samples_of({frame});
+  const DetectorSample sample = samples.sample(0);
+  const auto held = static_cast<std::int64_t>(sample.codes.size_bytes() + sample.measured.size_bytes() +
+                                              sample.hands.size_bytes());
+  EXPECT_EQ(DetectorSamples::bytes(5, {}), 5 * held);
+}
+
 /// The middle of the cells in which something was measured.
 ImagePoint middle_of(std::span<const float> input) {
   const DetectorOptions options;

@@ -12,7 +12,6 @@
 #include "knuckle/hand/skeleton_testing.h"
 #include "knuckle/refine/inverse_kinematics.h"
 #include "knuckle/refine/skeleton_pose.h"
-#include "knuckle/refine/surface_near.h"
 
 namespace knuckle {
 namespace {
@@ -212,43 +211,6 @@ TEST(HandModel, RefusesOptionsOutOfRange) {
   EXPECT_THAT(testing::error_of([] { HandModel({.bone_mm = -1.0}); }), HasSubstr("bone_mm"));
   EXPECT_THAT(testing::error_of([] { HandModel({.overlap_mm = -1.0}); }), HasSubstr("overlap_mm"));
   EXPECT_THAT(testing::error_of([] { HandModel({.length_spread = 2.0}); }), HasSubstr("length_spread"));
-}
-
-TEST(SurfaceNear, HasPointsOfTheFrameThatAreNearLandmarksAndNotManyMore) {
-  const Points truth = hand_before_camera(0.3);
-  const Frame frame = frame_of(truth);
-  const LandmarkTargets targets = targets_of(pose_at(truth), kHandCamera);
-  for (const int most : {40, 250, 100000}) {
-    const HandSurface surface = surface_near(frame, targets, most);
-    EXPECT_LT(surface.points.size(), static_cast<std::size_t>(1.6 * most));
-    if (most < 1000) {
-      EXPECT_GT(surface.points.size(), static_cast<std::size_t>(0.6 * most));
-    }
-    for (const Point3& point : surface.points) {
-      const ImagePoint pixel = Projection(kHandCamera).to_image(point);
-      const float depth =
-          frame.depth_mm(static_cast<int>(std::lround(pixel.u)), static_cast<int>(std::lround(pixel.v)));
-      EXPECT_NEAR(point.z(), depth, 1e-3);
-      EXPECT_TRUE(
-          std::ranges::any_of(truth, [&](const Point3& joint) { return (joint - point).norm() < 40.0; }));
-    }
-  }
-  EXPECT_TRUE(surface_near(frame, LandmarkTargets{}).points.empty());
-}
-
-TEST(SurfaceNear, TellsTheDepthMeasuredWhereAPointIsSeen) {
-  Frame frame = frame_of(hand_before_camera(0.3));
-  frame.depth_mm(30, 20) = 0.0f;
-  frame.depth_mm(31, 20) = 777.0f;
-  const HandSurface surface = surface_near(frame, {});
-  const auto depth_at = [&](double u, double v) {
-    return surface.depth_mm(Projection(kHandCamera).to_camera({u, v, 432.0}));
-  };
-  EXPECT_EQ(depth_at(30.4, 19.6), 0.0);
-  EXPECT_EQ(depth_at(31.4, 20.4), 777.0);
-  EXPECT_EQ(depth_at(-2.0, 20.0), 0.0) << "outside of the image";
-  EXPECT_EQ(depth_at(20.0, 1e9), 0.0);
-  EXPECT_EQ(surface.depth_mm(Point3(0.0, 0.0, -5.0)), 0.0) << "behind the camera";
 }
 
 }  // namespace
