@@ -18,6 +18,7 @@ int main(int count, char** arguments) {
   if (getaddrinfo(host, port, nullptr, &place) != 0) return EXIT_FAILURE;
   const int server = socket(place->ai_family, SOCK_STREAM, 0);
   if (connect(server, place->ai_addr, place->ai_addrlen) != 0) return EXIT_FAILURE;
+  freeaddrinfo(place);
   // HTTP/1.0: the answer is a head, an empty line, and records without anything in between.
   dprintf(server, "GET /api/records.jsonl%s HTTP/1.0\r\nHost: %s:%s\r\n\r\n", query, host, port);
   std::FILE* const lines = fdopen(server, "r");
@@ -33,4 +34,6 @@ int main(int count, char** arguments) {
       std::fflush(stdout);
     }
   }
+  std::free(line);
+  std::fclose(lines);
 }

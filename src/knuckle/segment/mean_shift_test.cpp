@@ -146,6 +146,19 @@ TEST(MeanShift, StaysInTheBasinOfItsStart) {
   }
 }
 
+TEST(MeanShift, EndsAsNewtonsMethodDoes) {
+  // Near the end each step squares the error: a hundredth of the tolerance takes a step or two more, where
+  // steps of half the length would take seven.
+  const PointsAround cloud = all_of(random_points(4, 4000));
+  const auto iterations = [&](double tolerance_mm) {
+    const MeanShiftResult result =
+        mean_shift(cloud, Point3(60, 20, 500), {.bandwidth_mm = 40.0, .tolerance_mm = tolerance_mm});
+    EXPECT_TRUE(result.converged);
+    return result.iterations;
+  };
+  EXPECT_LE(iterations(0.01), iterations(1.0) + 2);
+}
+
 TEST(MeanShift, StaysAtACloudOfOnePoint) {
   const Point3 point(10, 20, 400);
   const MeanShiftResult result = mean_shift(all_of({point}), Point3(13, 20, 404), {});

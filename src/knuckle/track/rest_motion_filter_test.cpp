@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/track/rest_motion_filter.h"
 
+#include <array>
 #include <cmath>
 
 #include "knuckle/core/random.h"
@@ -110,6 +111,102 @@ TEST(RestMotionFilter, IsTheKalmanFilterOfEachWhereOneIsCertain) {
     if (i > 100) {
       EXPECT_LT((smoothed - sum / i).cwiseAbs().maxCoeff(), 0.02) << i;
     }
+  }
+}
+
+/// The filter as the paper of Blom and Bar-Shalom has it, for one value in units of its noise: matrices
+/// instead of formulas.
+class InteractingModels {
+ public:
+  explicit InteractingModels(double first) : states_{}, likely_{0.4, 0.4, 0.2} {
+    for (State& state : states_) {
+      state.mean = {first, 0.0};
+      state.covariance = Eigen::Vector2d(1.0, 900.0).asDiagonal();
+    }
+  }
+  double smooth(double value, double seconds) {
+    const double leave = (1.0 - std::exp(-seconds / options_.stay_s * 1.5)) / 3.0;
+    std::array<State, 3> next{};
+    std::array<double, 3> weight{};
+    for (int to = 0; to < 3; ++to) {
+      State mixed{};
+      std::array<double, 3> share{};
+      double sum = 0.0;
+      for (int from = 0; from < 3; ++from)
+        sum += share[from] = likely_[from] * (from == to ? 1.0 - 2.0 * leave : leave);
+      for (int from = 0; from < 3; ++from) mixed.mean += share[from] / sum * states_[from].mean;
+      for (int from = 0; from < 3; ++from) {
+        const Eigen::Vector2d apart = states_[from].mean - mixed.mean;
+        mixed.covariance += share[from] / sum * (states_[from].covariance + apart * apart.transpose());
+      }
+      next[to] = predicted(mixed, to, seconds);
+      const double variance = next[to].covariance(0, 0) + 1.0;
+      const double surprise = value - next[to].mean.x();
+      const Eigen::Vector2d gain = next[to].covariance.col(0) / variance;
+      next[to].mean += gain * surprise;
+      next[to].covariance -= (gain * next[to].covariance.row(0)).eval();
+      constexpr double kEvidence = 0.05;  // errors of one pose are alike
+      weight[to] =
+          sum * std::pow(std::exp(-0.5 * surprise * surprise / variance) / std::sqrt(variance), kEvidence);
+    }
+    states_ = next;
+    double mean = 0.0;
+    for (int i = 0; i < 3; ++i) likely_[i] = weight[i] / (weight[0] + weight[1] + weight[2]);
+    for (int i = 0; i < 3; ++i) mean += likely_[i] * states_[i].mean.x();
+    return mean;
+  }
+
+ private:
+  struct State {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  };
+  State predicted(const State& state, int mode, double seconds) const {
+    State next{};
+    Eigen::Matrix2d step = Eigen::Matrix2d::Identity();
+    Eigen::Matrix2d noise = Eigen::Matrix2d::Zero();
+    if (mode == 0) {
+      step(1, 1) = 0.0;
+      noise(0, 0) = options_.drift * options_.drift * seconds;
+    } else {
+      step(0, 1) = seconds;
+      const double change = options_.speed_change * (mode == 2 ? options_.manoeuvre : 1.0);
+      noise << seconds * seconds * seconds / 3.0, seconds * seconds / 2.0, seconds * seconds / 2.0, seconds;
+      noise *= change * change;
+    }
+    next.mean = step * state.mean;
+    next.covariance = step * state.covariance * step.transpose() + noise;
+    return next;
+  }
+
+  RestMotionOptions options_;
+  std::array<State, 3> states_;
+  std::array<double, 3> likely_;
+};
+
+TEST(RestMotionFilter, IsThatOfTheInteractingModels) {
+  Random random(9);
+  RestMotionFilter filter({}, VectorXd::Constant(1, 2.0));
+  InteractingModels reference(0.3);
+  ASSERT_EQ(filter.smooth(VectorXd::Constant(1, 0.6), kSecondsPerFrame)[0], 0.6);
+  double place = 0.3;
+  for (int i = 0; i < 150; ++i) {
+    const double seconds = i % 4 == 0 ? 2.0 * kSecondsPerFrame : kSecondsPerFrame;
+    if (i / 25 % 2 == 1) place += (i / 50 % 2 == 1 ? -40.0 : 60.0) * seconds;  // rests, goes, rests, returns
+    const double value = place + 0.5 * random.normal();
+    const double expected = 2.0 * reference.smooth(value, seconds);
+    EXPECT_NEAR(filter.smooth(VectorXd::Constant(1, 2.0 * value), seconds)[0], expected, 1e-9) << i;
+  }
+}
+
+TEST(RestMotionFilter, BeginsAnewAfterALeapAndNotAfterAStep) {
+  for (const double away : {3.0, 60.0}) {
+    Random random(10);
+    RestMotionFilter filter({}, noise_of(1.0));
+    for (int i = 0; i < 60; ++i) filter.smooth(0.5 * random_vector(random), kSecondsPerFrame);
+    const VectorXd there = VectorXd::Constant(kValues, away);
+    const VectorXd smoothed = filter.smooth(there, kSecondsPerFrame);
+    EXPECT_EQ(smoothed == there, away > 10.0) << away << ": " << smoothed.transpose();
   }
 }
 

@@ -94,6 +94,23 @@ TEST_F(TrackerTest, AHandThatIsUnsureForAMomentKeepsItsId) {
   }
 }
 
+TEST_F(TrackerTest, WhatComesUpFarFromWhereAHandWasLostIsAnotherHand) {
+  const Pipeline one = pipeline(1);
+  for (const double distance : {250.0, 400.0}) {
+    Tracker tracker(one, {.lost_after_s = 1.0});
+    for (int i = 0; i < 10; ++i) {
+      world_.hands = {{{-200, 0, kDepthMm}}};
+      if (i == 7) world_.hands.clear();
+      if (i > 7) world_.hands[0].middle.x() += distance;
+      const auto hands = tracker.update(frame_at(i / 30.0));
+      ASSERT_EQ(hands.size(), i == 7 ? 0u : 1u) << distance << ", " << i;
+      if (i > 7) {
+        EXPECT_EQ(hands[0].id, distance < 300.0 ? 1 : 2) << distance;
+      }
+    }
+  }
+}
+
 TEST_F(TrackerTest, ConfidencesAreCalibratedWhereTheyComeOutAndTheFitDoesWithoutThat) {
   const Pipeline plain = pipeline(1);
   const Pipeline calibrated = pipeline(1, -1.5);

@@ -205,6 +205,26 @@ TEST_P(HeatMapTargets, ComeBackAsTheJointsTheyWereMadeOf) {
   EXPECT_TRUE((answer.confidence > 0.7).all().item<bool>());
 }
 
+TEST(HeatMapNetwork, JointsThatAreNotKnownDoNotCountInTheLoss) {
+  for (const char* const architecture : {"heatmap2d", "heatmap25d"}) {
+    HeatMapNetwork network(small_options(architecture));
+    torch::manual_seed(3);
+    torch::Tensor joints = 1.2 * torch::rand({2, kTestJoints, 3}) - 0.6;
+    const torch::Tensor targets = network.targets(joints);
+    const torch::Tensor output = targets + 0.1 * torch::rand_like(targets);
+    // What each joint's cells are off by, itself alone being known.
+    const auto loss_with = [&](const std::vector<int>& known) {
+      torch::Tensor some = torch::full_like(joints, std::numeric_limits<float>::quiet_NaN());
+      for (const int joint : known) some[1][joint] = joints[1][joint];
+      return network.loss(output, {}, some).item<double>();
+    };
+    EXPECT_GT(loss_with({0}), 0.0);
+    EXPECT_NE(loss_with({0}), loss_with({2}));
+    EXPECT_NEAR(loss_with({0, 2}), 0.5 * (loss_with({0}) + loss_with({2})), 1e-6) << "the mean of the known";
+    EXPECT_EQ(loss_with({}), 0.0);
+  }
+}
+
 TEST(HeatMapNetwork, LooksUpTheDepthWhereItPredictsNone) {
   const NetworkOptions options = small_options("heatmap2d");
   HeatMapNetwork network(options);

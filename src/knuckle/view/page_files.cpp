@@ -60,7 +60,7 @@ PageFiles read_page_files(const fs::path& folder, const std::string& index) {
   std::uintmax_t bytes = 0;
   for (fs::recursive_directory_iterator entry(folder, missing), end; !missing && entry != end;
        entry.increment(missing)) {
-    const bool is_folder = entry->is_directory() && !entry->is_symlink();
+    const bool is_folder = entry->is_directory();
     const std::string name = entry->path().filename().string();
     if (is_folder && (!is_plain_name(name) || entry.depth() == kDeepest)) entry.disable_recursion_pending();
     const PageFileKind* const kind = row_named(kKinds, entry->path().extension().string());

@@ -85,6 +85,8 @@ TEST(RequestAccess, ATokenIsWantedOfAll) {
               HasSubstr("other places"));
   EXPECT_THAT(refusal("/", "xkt=00112233445566778899aabbccddeeff"), HasSubstr("token"));
   EXPECT_THAT(refusal("/", "kt=0"), HasSubstr("token"));
+  EXPECT_THAT(refusal("/", "kt2=0; kt=00112233445566778899aabbccddeeff"), IsEmpty()) << "of another server";
+  EXPECT_THAT(refusal("/", "kt200112233445566778899aabbccddeeff"), HasSubstr("token"));
 }
 
 TEST(RequestAccess, TokensDiffer) {

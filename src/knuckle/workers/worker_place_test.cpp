@@ -35,6 +35,11 @@ TEST_F(WorkerPlaceTest, WithoutVariablesIsWorker0OfThisMachine) {
   EXPECT_TRUE(place.is_on_one_machine());
 }
 
+TEST_F(WorkerPlaceTest, EmptyVariablesAreAsGoodAsNone) {
+  for (const char* const name : {kRankVariable, "RANK", "SLURM_STEP_NUM_TASKS"}) set(name, "");
+  EXPECT_TRUE(worker_place(3).is_on_one_machine());
+}
+
 TEST_F(WorkerPlaceTest, OfAStepOfSlurmIsItsTask) {
   set("SLURM_STEP_NUM_TASKS", "4");
   set("SLURM_PROCID", "2");

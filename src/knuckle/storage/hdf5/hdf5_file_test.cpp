@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/storage/hdf5/hdf5_file.h"
 
+#include <cstring>
+#include <ctime>
 #include <numeric>
 
 #include "knuckle/core/parallel.h"
@@ -44,6 +46,17 @@ TEST_F(Hdf5FileTest, ArraysComeBackWithShapeAndValues) {
   EXPECT_THAT(array.shape, ElementsAre(5, 4, 3));
   EXPECT_EQ(array.values[59], 59.5f);
   EXPECT_EQ(file.read<double>("values").values[1], 1.5);
+}
+
+/// So that the same content has the same bytes: of an object's header the seconds since 1970 in 32 bits.
+TEST_F(Hdf5FileTest, DoNotSayWhenTheyWereMade) {
+  const std::string bytes = read_text_file(path);
+  const auto now = static_cast<std::uint32_t>(std::time(nullptr));
+  for (std::size_t at = 0; at + sizeof(now) <= bytes.size(); ++at) {
+    std::uint32_t number = 0;
+    std::memcpy(&number, bytes.data() + at, sizeof(number));
+    EXPECT_FALSE(number <= now && number > now - 60) << "at byte " << at;
+  }
 }
 
 TEST_F(Hdf5FileTest, RowsAreThoseOfTheWholeArray) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/synth/pose/gestures.h"
 
+#include <map>
 #include <set>
 
 #include "knuckle/core/testing.h"
@@ -20,6 +21,37 @@ TEST(Gestures, KeepToTheLimitsOfTheJoints) {
     const HandAngles limited = clamped(gesture.angles);
     for (int i = 0; i < kHandAngleCount; ++i) {
       EXPECT_NEAR(limited.radians[i], gesture.angles.radians[i], 0.2) << gesture.name << ", angle " << i;
+    }
+  }
+}
+
+TEST(Gestures, StretchTheFingersOfTheirNames) {
+  // Index, middle, ring, little; those not named are bent.
+  const std::map<std::string_view, std::string_view> stretched = {{"open", "imrl"},
+                                                                  {"fist", ""},
+                                                                  {"thumb_up", ""},
+                                                                  {"point", "i"},
+                                                                  {"gun", "i"},
+                                                                  {"peace", "im"},
+                                                                  {"three", "imr"},
+                                                                  {"four", "imrl"},
+                                                                  {"little_up", "l"},
+                                                                  {"middle_up", "m"},
+                                                                  {"rock", "il"},
+                                                                  {"love_you", "il"},
+                                                                  {"call_me", "l"},
+                                                                  {"two_thumb", "im"},
+                                                                  {"three_thumb", "im"},
+                                                                  {"six_thumb_little", "imr"},
+                                                                  {"seven_thumb_ring", "iml"},
+                                                                  {"eight_thumb_middle", "irl"}};
+  for (const auto& [name, letters] : stretched) {
+    const HandAngles& angles = gesture_from_name(name).angles;
+    for (int finger = 0; finger < 4; ++finger) {
+      const bool is_stretched = letters.find("imrl"[finger]) != std::string_view::npos;
+      const double bend = angles[angles_of_finger(finger).mcp] + angles[angles_of_finger(finger).pip];
+      EXPECT_EQ(bend < 0.3, is_stretched) << name << ", finger " << finger << ": " << bend;
+      EXPECT_EQ(bend > 1.5, !is_stretched) << name << ", finger " << finger << ": " << bend;
     }
   }
 }

@@ -84,6 +84,33 @@ TEST_P(EveryThing, IsClosed) {
 INSTANTIATE_TEST_SUITE_P(Kinds, EveryThing, ::testing::ValuesIn(thing_kinds().begin(), thing_kinds().end()),
                          [](const auto& parameter) { return std::string(parameter.param); });
 
+/// The longest extent of a thing [mm], at least and at most: by hand, with a rule.
+struct Extent {
+  std::string_view kind;
+  float least;
+  float most;
+};
+
+TEST(Things, AreAsLargeAsThoseOfEverydayAre) {
+  for (const auto& [kind, least, most] :
+       {Extent{"box", 40, 260}, Extent{"block", 20, 110}, Extent{"book", 140, 320}, Extent{"phone", 120, 180},
+        Extent{"keyboard", 270, 460}, Extent{"can", 45, 190}, Extent{"mug", 80, 150}, Extent{"pen", 100, 200},
+        Extent{"ball", 25, 160}, Extent{"bottle", 120, 340}}) {
+    float largest = 0.0f;
+    float smallest = 1e9f;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      Random random(3, i);
+      Eigen::AlignedBox3f extent;
+      for (const Vector3f& vertex : sampled_thing(kind, random).mesh.vertices) extent.extend(vertex);
+      largest = std::max(largest, extent.sizes().maxCoeff());
+      smallest = std::min(smallest, extent.sizes().maxCoeff());
+    }
+    EXPECT_LT(largest, most) << kind;
+    EXPECT_GT(smallest, least) << kind;
+    EXPECT_GT(largest, 1.2f * smallest) << kind << ": they differ";
+  }
+}
+
 TEST(Things, AnUnknownKindIsNamed) {
   Random random(1, 1);
   EXPECT_THAT(testing::error_of([&] { sampled_thing("teapot", random); }), ::testing::HasSubstr("teapot"));
