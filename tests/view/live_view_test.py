@@ -135,7 +135,8 @@ class LiveViewTest(unittest.TestCase):
                     break
                 records.message()
             self.assertLessEqual(live.descriptors(), before)
-            self.assertLess(live.memory_kb() - memory, 20000)
+            if os.environ.get("KNUCKLE_SANITIZE") != "thread":  # which keeps memory of its own beside what is used
+                self.assertLess(live.memory_kb() - memory, 20000)
 
     def test_a_sleeping_client_costs_nobody_a_record(self):
         with Live() as live:
