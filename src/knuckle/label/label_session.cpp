@@ -112,12 +112,33 @@ bool LabelSession::prepare() {
   return recall_one() || estimate_one();
 }
 
+/// Whether it falls to the caller to estimate this frame. Where another thread is at it, waits for that one:
+/// who opens a frame wants its labels.
+bool LabelSession::begins_to_estimate(std::int64_t index) {
+  std::unique_lock lock(mutex_);
+  if (looked_at_.insert(index).second) return being_estimated_.insert(index).second;
+  estimated_.wait(lock, [&] { return !being_estimated_.contains(index); });
+  return false;
+}
+
+void LabelSession::end_of_estimate(std::int64_t index) {
+  const std::lock_guard lock(mutex_);
+  being_estimated_.erase(index);
+  estimated_.notify_all();
+}
+
 void LabelSession::estimate(std::int64_t index, const Frame& frame) {
-  if (!options_.estimate) return;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!looked_at_.insert(index).second) return;
+  if (!options_.estimate || !begins_to_estimate(index)) return;
+  try {
+    keep_estimate(index, frame);
+  } catch (...) {
+    end_of_estimate(index);
+    throw;
   }
+  end_of_estimate(index);
+}
+
+void LabelSession::keep_estimate(std::int64_t index, const Frame& frame) {
   const std::vector<EstimatedHand> hands = options_.estimate(frame);
   std::vector<LabelChange> changes =
       estimated_changes(index, hands, head().convention, options_.estimator, now());

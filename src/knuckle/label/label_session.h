@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -73,7 +74,8 @@ class LabelSession {
 
   const LabelHead& head() const { return journal_.book().head(); }
 
-  /// A frame with its labels; the first time it is estimated, where there is an estimator. Throws an Error
+  /// A frame with its labels; the first time it is estimated, where there is an estimator, or waited for where
+  /// another thread is at it. Throws an Error
   /// where there is no such frame or it cannot be read.
   LabelledFrame frame(std::int64_t index);
   /// The images alone. Throws an Error as `frame` does.
@@ -125,6 +127,9 @@ class LabelSession {
   void commit(LabelChange change);
 
   void estimate(std::int64_t index, const Frame& frame);
+  bool begins_to_estimate(std::int64_t index);
+  void end_of_estimate(std::int64_t index);
+  void keep_estimate(std::int64_t index, const Frame& frame);
   bool estimate_one();
   bool propagate_one();
   bool recall_one();
@@ -144,6 +149,8 @@ class LabelSession {
   EarlierHands earlier_;
   bool has_interrupted_ = true;       ///< what waited in an earlier session was not looked for yet
   std::set<std::int64_t> looked_at_;  ///< frames that were estimated, also in vain
+  std::set<std::int64_t> being_estimated_;
+  std::condition_variable estimated_;  ///< a frame was
   std::int64_t next_estimate_ = 0;
 };
 

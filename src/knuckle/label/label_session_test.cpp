@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/label/label_session.h"
 
+#include <chrono>
+#include <future>
+
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/label/label_mask.h"
@@ -61,6 +64,32 @@ TEST_F(LabelSessionTest, AFrameIsEstimatedOnceAndKept) {
   session.frame(2);
   EXPECT_EQ(journal_.book().find({2})->revision(), 1);
   EXPECT_THAT(testing::error_of([&] { session.frame(kFrames); }), HasSubstr("there is no frame 9"));
+}
+
+TEST_F(LabelSessionTest, WhoOpensAFrameThatIsBeingEstimatedWaitsForItsLabels) {
+  std::promise<void> has_begun, may_end;
+  LabelSessionOptions slow = options();
+  slow.estimate = [&, estimate = slow.estimate](const Frame& frame) {
+    has_begun.set_value();
+    may_end.get_future().wait();
+    return estimate(frame);
+  };
+  LabelSession session(source_, journal_, slow);
+  auto prepared = std::async(std::launch::async, [&] { return session.prepare(); });
+  has_begun.get_future().wait();
+  auto opened = std::async(std::launch::async, [&] { return session.frame(0).hands.size(); });
+  EXPECT_EQ(opened.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  may_end.set_value();
+  EXPECT_EQ(opened.get(), 1U);
+  EXPECT_TRUE(prepared.get());
+}
+
+TEST_F(LabelSessionTest, AFrameThatCannotBeEstimatedKeepsNobodyWaiting) {
+  LabelSessionOptions failing = options();
+  failing.estimate = [](const Frame&) -> std::vector<EstimatedHand> { throw Error("no memory"); };
+  LabelSession session(source_, journal_, failing);
+  EXPECT_EQ(testing::error_of([&] { session.frame(0); }), "no memory");
+  EXPECT_TRUE(session.frame(0).hands.empty());
 }
 
 TEST_F(LabelSessionTest, ACorrectionMovesTheOthersAndIsPinned) {
