@@ -74,9 +74,8 @@ class LabelSession {
 
   const LabelHead& head() const { return journal_.book().head(); }
 
-  /// A frame with its labels; the first time it is estimated, where there is an estimator, or waited for where
-  /// another thread is at it. Throws an Error
-  /// where there is no such frame or it cannot be read.
+  /// A frame with its labels; the first time it is estimated, where there is an estimator, or waited for
+  /// where another thread is at it. Throws an Error where there is no such frame or it cannot be read.
   LabelledFrame frame(std::int64_t index);
   /// The images alone. Throws an Error as `frame` does.
   std::shared_ptr<const Frame> image(std::int64_t index) { return frames_.read(index); }
