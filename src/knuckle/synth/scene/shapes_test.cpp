@@ -84,7 +84,7 @@ TEST_P(EveryThing, IsClosed) {
 INSTANTIATE_TEST_SUITE_P(Kinds, EveryThing, ::testing::ValuesIn(thing_kinds().begin(), thing_kinds().end()),
                          [](const auto& parameter) { return std::string(parameter.param); });
 
-/// The longest extent of a thing [mm], at least and at most: by hand, with a rule.
+/// The longest extent of a thing [mm], at least and at most: loosely, what such things have in a household.
 struct Extent {
   std::string_view kind;
   float least;
