@@ -8,23 +8,24 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "knuckle/core/error.h"
+#include "knuckle/core/limits.h"
 #include "knuckle/core/own_convention.h"
-#include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
+#include "knuckle/data/json_fields.h"
 
 namespace knuckle {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Line = fmt::memory_buffer;
 
 constexpr int kTimeDigits = 6;  // [s]
 constexpr int kLengthDigits = 3;
 constexpr int kShareDigits = 4;
 constexpr int kAngleDigits = 5;
+constexpr int kDeepest = 8;  // brackets in one another, more than records have
+constexpr std::size_t kMostBytes = limits::kLineLength;
 
 void append(Line& line, std::string_view text) {
   line.append(text);
@@ -122,88 +123,38 @@ void append_hand(Line& line, const HandRecord& hand) {
 
 // --- reading ---
 
-/// A value of the line with its place in it, for messages: "records.jsonl:12: hands[0].score".
-struct Value {
-  const Json& json;
-  std::string where;
-
-  [[noreturn]] void fail_expected(std::string_view what) const {
-    fail("{}: expected {}, found {}", where, what,
-         json.is_number() ? json.dump() : std::string(json.type_name()));
-  }
-  double number() const {
-    if (!json.is_number()) fail_expected("a number");
-    return json.get<double>();
-  }
-  double number_or_nan() const { return json.is_null() ? kNaN : number(); }
-  std::int64_t whole_number(std::int64_t low, std::int64_t high) const {
-    if (!json.is_number_integer()) fail_expected("a whole number");
-    const bool is_huge = json.is_number_unsigned() &&
-                         json.get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
-    const auto value = json.get<std::int64_t>();
-    if (is_huge || value < low || value > high) fail("{}: is out of range", where);
-    return value;
-  }
-  std::string text() const {
-    if (!json.is_string()) fail_expected("a text");
-    return json.get<std::string>();
-  }
-};
-
-/// The fields of an object, each of them known.
-class Fields {
- public:
-  Fields(const Value& value, std::vector<std::string> known) : value_(value), known_(std::move(known)) {
-    if (!value_.json.is_object()) value_.fail_expected("an object");
-    for (const auto& [key, field] : value_.json.items()) {
-      if (std::ranges::find(known_, key) == known_.end())
-        fail("{}: unknown key '{}'{}", value_.where, key, suggestion(key, known_));
-    }
-  }
-
-  bool has(const std::string& key) const { return value_.json.contains(key); }
-  Value at(const std::string& key) const {
-    if (!has(key)) fail("{}: lacks the key '{}'", value_.where, key);
-    return {value_.json.at(key), fmt::format("{}: {}", value_.where, key)};
-  }
-
- private:
-  Value value_;
-  std::vector<std::string> known_;
-};
-
 /// Calls `visit(name, value)` for the entries of an object whose keys are names of something.
 template <class Visit>
-void for_entries(const Value& object, const Visit& visit) {
+void for_entries(const JsonValue& object, const Visit& visit) {
   if (!object.json.is_object()) object.fail_expected("an object");
   for (const auto& [name, json] : object.json.items())
-    visit(name, Value{json, fmt::format("{}.{}", object.where, name)});
+    visit(name, JsonValue{json, fmt::format("{}.{}", object.where, name)});
 }
 
 /// A list of `count` numbers; as many NaN where it is null.
-std::vector<double> numbers_or_nan(const Value& value, std::size_t count) {
+std::vector<double> numbers_or_nan(const JsonValue& value, std::size_t count) {
   std::vector<double> numbers(count, kNaN);
   if (value.json.is_null()) return numbers;
   if (!value.json.is_array() || value.json.size() != count)
     fail("{}: expected a list of {} numbers or null", value.where, count);
-  for (std::size_t i = 0; i < count; ++i) numbers[i] = Value{value.json[i], value.where}.number();
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = JsonValue{value.json[i], value.where}.number();
   return numbers;
 }
 
-Point3 point_from(const Value& value) {
+Point3 point_from(const JsonValue& value) {
   const std::vector<double> xyz = numbers_or_nan(value, 3);
   return {xyz[0], xyz[1], xyz[2]};
 }
 
-PixelPoint pixel_from(const Value& value) {
+PixelPoint pixel_from(const JsonValue& value) {
   const std::vector<double> uv = numbers_or_nan(value, 2);
   return {uv[0], uv[1]};
 }
 
 /// The convention whose landmarks are the keys, in its order.
-Convention convention_of(const Value& landmarks) {
+Convention convention_of(const JsonValue& landmarks) {
   std::vector<std::string> names;
-  for_entries(landmarks, [&](const std::string& name, const Value&) { names.push_back(name); });
+  for_entries(landmarks, [&](const std::string& name, const JsonValue&) { names.push_back(name); });
   std::vector<Convention> known = own_conventions();
   known.insert(known.begin(), conventions().begin(), conventions().end());
   for (const Convention& convention : known) {
@@ -214,9 +165,9 @@ Convention convention_of(const Value& landmarks) {
 
 /// One value per landmark of the convention.
 template <class T, class Read>
-std::vector<T> values_per_landmark(const Value& object, const Convention& convention, const Read& read) {
+std::vector<T> values_per_landmark(const JsonValue& object, const Convention& convention, const Read& read) {
   std::vector<T> values;
-  for_entries(object, [&](const std::string& name, const Value& value) {
+  for_entries(object, [&](const std::string& name, const JsonValue& value) {
     if (values.size() >= convention.landmarks.size() || name != name_of(convention.landmarks[values.size()]))
       fail("{}: is not the next landmark of {}", value.where, convention.name);
     values.push_back(read(value));
@@ -226,16 +177,16 @@ std::vector<T> values_per_landmark(const Value& object, const Convention& conven
   return values;
 }
 
-std::optional<HandSide> side_from(const Value& value) {
+std::optional<HandSide> side_from(const JsonValue& value) {
   if (value.json.is_null()) return std::nullopt;
   const std::string side = value.text();
   if (side != "right" && side != "left") fail("{}: is '{}', expected right, left or null", value.where, side);
   return side == "left" ? HandSide::left : HandSide::right;
 }
 
-HandRecord hand_from(const Value& value) {
-  const Fields fields(
-      value, {"id", "side", "score", "landmarks_mm", "landmarks_px", "confidence", "angles_rad", "skeleton"});
+HandRecord hand_from(const JsonValue& value) {
+  const JsonFields fields(value, {"id", "side", "score", "landmarks_mm", "landmarks_px", "confidence"},
+                          {"angles_rad", "skeleton"});
   HandRecord hand;
   hand.id = static_cast<int>(fields.at("id").whole_number(1, std::numeric_limits<int>::max()));
   hand.side = side_from(fields.at("side"));
@@ -243,32 +194,22 @@ HandRecord hand_from(const Value& value) {
   hand.convention = convention_of(fields.at("landmarks_mm"));
   hand.landmarks_mm = values_per_landmark<Point3>(fields.at("landmarks_mm"), hand.convention, point_from);
   hand.landmarks_px = values_per_landmark<PixelPoint>(fields.at("landmarks_px"), hand.convention, pixel_from);
-  if (const Value confidence = fields.at("confidence"); !confidence.json.empty()) {
+  if (const JsonValue confidence = fields.at("confidence"); !confidence.json.empty()) {
     hand.confidence = values_per_landmark<double>(confidence, hand.convention,
-                                                  [](const Value& one) { return one.number_or_nan(); });
+                                                  [](const JsonValue& one) { return one.number_or_nan(); });
   }
   if (fields.has("angles_rad")) {
-    for_entries(fields.at("angles_rad"), [&](const std::string& name, const Value& angle) {
+    for_entries(fields.at("angles_rad"), [&](const std::string& name, const JsonValue& angle) {
       hand.angles_rad.emplace_back(name, angle.number_or_nan());
     });
   }
-  if (fields.has("skeleton")) hand.skeleton = fields.at("skeleton").text();
+  if (fields.has("skeleton")) hand.skeleton = fields.at("skeleton").text(kMostBytes);
   return hand;
 }
 
-std::optional<double> number_or_nothing(const Value& value) {
+std::optional<double> number_or_nothing(const JsonValue& value) {
   if (value.json.is_null()) return std::nullopt;
   return value.number();
-}
-
-Json json_from(std::string_view line, std::string_view where) {
-  try {
-    return Json::parse(line);
-  } catch (const Json::exception& error) {
-    std::string_view message = error.what();  // "[json.exception.parse_error.101] parse error at ..."
-    message.remove_prefix(std::min(message.find("] ") + 2, message.size()));
-    fail("{}: not a line of JSON: {}", where, message);
-  }
 }
 
 }  // namespace
@@ -310,15 +251,15 @@ std::string to_json_line(const FrameRecord& record) {
 }
 
 FrameRecord parse_frame_record(std::string_view line, std::string_view where) {
-  const Json json = json_from(line, where);
-  const Fields fields({json, std::string(where)},
-                      {"frame", "name", "time_s", "status", "hands", "latency_ms"});
+  const Json json = parsed_json(line, kMostBytes, kDeepest, where);
+  const JsonFields fields({json, std::string(where)}, {"frame", "name", "time_s", "status", "hands"},
+                          {"latency_ms"});
   FrameRecord record;
   record.frame = fields.at("frame").whole_number(0, std::numeric_limits<std::int64_t>::max());
-  record.name = fields.at("name").text();
+  record.name = fields.at("name").text(kMostBytes);
   record.time_s = number_or_nothing(fields.at("time_s"));
-  record.status = fields.at("status").text();
-  const Value hands = fields.at("hands");
+  record.status = fields.at("status").text(kMostBytes);
+  const JsonValue hands = fields.at("hands");
   if (!hands.json.is_array()) hands.fail_expected("a list");
   for (std::size_t i = 0; i < hands.json.size(); ++i)
     record.hands.push_back(hand_from({hands.json[i], fmt::format("{}[{}]", hands.where, i)}));

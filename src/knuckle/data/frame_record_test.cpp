@@ -222,15 +222,20 @@ TEST(FrameRecord, NamesPlaceAndFaultOfALineThatIsNone) {
   const auto fault = [](const std::string& line) {
     return error_of([&] { parse_frame_record(line, "r.jsonl:7"); });
   };
+  const auto with_frame = [](const std::string& frame) {
+    return R"({"frame":)" + frame + R"(,"name":"a","time_s":null,"status":"","hands":[]})";
+  };
   const std::string start = R"({"frame":1,"name":"a","time_s":null,"status":"",)";
-  EXPECT_THAT(fault(""), HasSubstr("r.jsonl:7: not a line of JSON"));
-  EXPECT_THAT(fault(start), HasSubstr("r.jsonl:7: not a line of JSON"));
+  EXPECT_THAT(fault(""), HasSubstr("r.jsonl:7: not JSON"));
+  EXPECT_THAT(fault(start), HasSubstr("r.jsonl:7: not JSON"));
   EXPECT_THAT(fault("[1]"), HasSubstr("r.jsonl:7: expected an object, found array"));
-  EXPECT_THAT(fault(start + R"("status2":1})"), HasSubstr("unknown key 'status2' (did you mean 'status'?)"));
+  EXPECT_THAT(fault(start + R"("hands":[],"status2":1})"),
+              HasSubstr("unknown key 'status2' (did you mean 'status'?)"));
   EXPECT_THAT(fault(R"({"frame":1})"), HasSubstr("lacks the key 'name'"));
+  EXPECT_THAT(fault(with_frame("-1")), HasSubstr("frame: is -1, expected 0 to"));
   EXPECT_THAT(fault(start + R"("hands":{}})"), HasSubstr("r.jsonl:7: hands: expected a list"));
-  EXPECT_THAT(fault(start + R"("hands":[{"id":0}]})"), HasSubstr("hands[0]: id: is out of range"));
-  EXPECT_THAT(fault(R"({"frame":1.5})"), HasSubstr("r.jsonl:7: frame: expected a whole number, found 1.5"));
+  EXPECT_THAT(fault(start + R"("hands":[{"id":1}]})"), HasSubstr("hands[0]: lacks the key 'side'"));
+  EXPECT_THAT(fault(with_frame("1.5")), HasSubstr("r.jsonl:7: frame: expected a whole number, found 1.5"));
   EXPECT_THAT(fault(start + R"("hands":[],"latency_ms":"1"})"), HasSubstr("latency_ms: expected a number"));
   const std::string hand = R"("hands":[{"id":1,"side":null,"score":0.5,"landmarks_mm":)";
   EXPECT_THAT(fault(start + hand + R"({"wrist":null},"landmarks_px":{},"confidence":{}}]})"),
@@ -278,9 +283,10 @@ TEST(FrameRecord, NamesWhatIsWrongWithAHand) {
               }),
               HasSubstr("expected a number, found string"));
   EXPECT_THAT(fault_after([](auto& hand) { hand["id"] = std::uint64_t{1} << 63; }),
-              HasSubstr("id: is out of range"));
+              HasSubstr("id: is 9223372036854775808, expected 1 to 2147483647"));
   EXPECT_THAT(fault_after([](auto& hand) { hand["id"] = std::int64_t{1} << 31; }),
-              HasSubstr("id: is out of range"));
+              HasSubstr("id: is 2147483648, expected 1 to 2147483647"));
+  EXPECT_THAT(fault_after([](auto& hand) { hand["id"] = 0; }), HasSubstr("id: is 0, expected 1 to"));
   EXPECT_THAT(fault_after([](auto& hand) { hand["angles_rad"] = 1; }),
               HasSubstr("angles_rad: expected an object"));
 }

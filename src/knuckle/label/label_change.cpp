@@ -8,14 +8,11 @@
 #include <limits>
 
 #include "knuckle/core/limits.h"
-#include "knuckle/label/label_json.h"
+#include "knuckle/data/json_fields.h"
+#include "knuckle/label/label_limits.h"
 
 namespace knuckle {
 namespace {
-
-using label_json::Fields;
-using label_json::Json;
-using label_json::Value;
 
 constexpr std::string_view kHeadBegins = R"({"knuckle_labels":)";
 constexpr int kVersion = 1;
@@ -40,8 +37,8 @@ Json camera_json(const Camera& camera) {
           {"distortion", camera.distortion}};
 }
 
-Camera camera_from(const Value& value) {
-  const Fields fields(value, {"model", "width", "height", "fx", "fy", "cx", "cy", "distortion"});
+Camera camera_from(const JsonValue& value) {
+  const JsonFields fields(value, {"model", "width", "height", "fx", "fy", "cx", "cy", "distortion"});
   constexpr std::array<std::string_view, 2> kModels{"projective", "orthographic"};
   const auto number = [&](const char* key) { return fields.at(key).number(-1e9, 1e9); };
   const auto side = [&](const char* key) {
@@ -56,11 +53,11 @@ Camera camera_from(const Value& value) {
   camera.fy = number("fy");
   camera.cx = number("cx");
   camera.cy = number("cy");
-  const Value distortion = fields.at("distortion");
+  const JsonValue distortion = fields.at("distortion");
   if (!distortion.json.is_array() || distortion.json.size() != camera.distortion.size())
     distortion.fail_expected("a list of 8 numbers");
   for (std::size_t i = 0; i < camera.distortion.size(); ++i)
-    camera.distortion[i] = Value{distortion.json[i], distortion.where}.number(-1e9, 1e9);
+    camera.distortion[i] = JsonValue{distortion.json[i], distortion.where}.number(-1e9, 1e9);
   try {
     check(camera);
   } catch (const Error& error) {
@@ -70,9 +67,9 @@ Camera camera_from(const Value& value) {
 }
 
 /// A convention is named with its landmarks, so that one that has changed since is noticed.
-Convention convention_from(const Fields& fields, const Value& landmarks) {
-  const Value name = fields.at("convention");
-  const std::string text = name.text(label_json::kMostNameBytes);
+Convention convention_from(const JsonFields& fields, const JsonValue& landmarks) {
+  const JsonValue name = fields.at("convention");
+  const std::string text = name.text();
   Convention convention;
   try {
     convention = convention_from_name(text);
@@ -82,29 +79,28 @@ Convention convention_from(const Fields& fields, const Value& landmarks) {
   if (!landmarks.json.is_array() || landmarks.json.size() > limits::kJoints)
     landmarks.fail_expected("a list of landmarks");
   std::vector<std::string> names;
-  for (const Json& one : landmarks.json)
-    names.push_back(Value{one, landmarks.where}.text(label_json::kMostNameBytes));
+  for (const Json& one : landmarks.json) names.push_back(JsonValue{one, landmarks.where}.text());
   if (!std::ranges::equal(names, convention.landmarks, {}, {}, [](Landmark one) { return name_of(one); }))
     fail("{}: are not those of the convention {}", landmarks.where, text);
   return convention;
 }
 
-LandmarkLabel label_from(const Value& value) {
+LandmarkLabel label_from(const JsonValue& value) {
   if (value.json.is_null()) return {};
   if (!value.json.is_array() || value.json.size() != kPartsOfLabel)
     value.fail_expected(R"(null or ["STATE", "visible" or "hidden", u, v, d])");
-  const auto part = [&](std::size_t i) { return Value{value.json[i], value.where}; };
+  const auto part = [&](std::size_t i) { return JsonValue{value.json[i], value.where}; };
   constexpr std::array<std::string_view, 2> kSeen{"hidden", "visible"};
   LandmarkLabel label;
   label.state = static_cast<LabelState>(part(0).one_of(kStateNames));
   label.is_visible = part(1).one_of(kSeen) == 1;
-  label.at = {part(2).number(-label_json::kFarthestPx, label_json::kFarthestPx),
-              part(3).number(-label_json::kFarthestPx, label_json::kFarthestPx),
-              part(4).number(-label_json::kFarthestMm, label_json::kFarthestMm)};
+  label.at = {part(2).number(-kFarthestLabelPx, kFarthestLabelPx),
+              part(3).number(-kFarthestLabelPx, kFarthestLabelPx),
+              part(4).number(-kFarthestLabelMm, kFarthestLabelMm)};
   return label;
 }
 
-std::vector<LandmarkLabel> labels_from(const Value& value, const Convention& convention) {
+std::vector<LandmarkLabel> labels_from(const JsonValue& value, const Convention& convention) {
   if (!value.json.is_object()) value.fail_expected("an object");
   std::vector<LandmarkLabel> labels;
   for (const auto& [name, json] : value.json.items()) {
@@ -118,12 +114,12 @@ std::vector<LandmarkLabel> labels_from(const Value& value, const Convention& con
 }
 
 /// [width, height, run, run, ...]
-std::shared_ptr<const LabelMask> mask_from(const Value& value) {
+std::shared_ptr<const LabelMask> mask_from(const JsonValue& value) {
   constexpr std::size_t kSides = 2;
   if (!value.json.is_array() || value.json.size() <= kSides || value.json.size() > kSides + kMostMaskRuns)
     value.fail_expected(fmt::format("a list of width, height and 1 to {} runs", kMostMaskRuns));
   const auto number = [&](std::size_t i, std::int64_t low, std::int64_t high) {
-    return Value{value.json[i], value.where}.whole_number(low, high);
+    return JsonValue{value.json[i], value.where}.whole_number(low, high);
   };
   auto mask = std::make_shared<LabelMask>();
   mask->width = static_cast<int>(number(0, 1, limits::kImageSide));
@@ -222,14 +218,14 @@ bool is_label_head(std::string_view line) {
 }
 
 LabelHead parse_label_head(std::string_view line, std::string_view where) {
-  const Json json = label_json::parsed(line, limits::kLineLength, where);
-  const Fields fields({json, std::string(where)}, {"knuckle_labels", "source", "fingerprint", "frames",
-                                                   "convention", "landmarks", "camera"});
-  if (const Value version = fields.at("knuckle_labels"); version.whole_number(0, 1 << 30) != kVersion)
+  const Json json = parsed_json(line, limits::kLineLength, kDeepestLabelJson, where);
+  const JsonFields fields({json, std::string(where)}, {"knuckle_labels", "source", "fingerprint", "frames",
+                                                       "convention", "landmarks", "camera"});
+  if (const JsonValue version = fields.at("knuckle_labels"); version.whole_number(0, 1 << 30) != kVersion)
     fail("{}: is {}, expected {}; a newer Knuckle may read it", version.where, version.json.dump(), kVersion);
   LabelHead head;
   head.source = fields.at("source").text(limits::kNameLength);
-  head.fingerprint = fields.at("fingerprint").text(label_json::kMostNameBytes);
+  head.fingerprint = fields.at("fingerprint").text();
   head.frames = fields.at("frames").whole_number(1, limits::kFrames);
   head.convention = convention_from(fields, fields.at("landmarks"));
   head.camera = camera_from(fields.at("camera"));
@@ -237,18 +233,18 @@ LabelHead parse_label_head(std::string_view line, std::string_view where) {
 }
 
 LabelChange parse_label_change(std::string_view line, const LabelHead& head, std::string_view where) {
-  const Json json = label_json::parsed(line, limits::kLineLength, where);
-  const Fields fields({json, std::string(where)},
-                      {"frame", "side", "revision", "act", "author", "time", "seconds", "landmarks"},
-                      {"mask"});
+  const Json json = parsed_json(line, limits::kLineLength, kDeepestLabelJson, where);
+  const JsonFields fields({json, std::string(where)},
+                          {"frame", "side", "revision", "act", "author", "time", "seconds", "landmarks"},
+                          {"mask"});
   constexpr std::array<std::string_view, 2> kSides{"right", "left"};
   LabelChange change;
   change.frame = fields.at("frame").whole_number(0, head.frames - 1);
   change.side = fields.at("side").one_of(kSides) == 1 ? HandSide::left : HandSide::right;
   change.revision = fields.at("revision").whole_number(1, std::numeric_limits<std::int64_t>::max());
   change.act = static_cast<LabelAct>(fields.at("act").one_of(kActNames));
-  change.author = fields.at("author").text(label_json::kMostNameBytes);
-  change.time = fields.at("time").text(label_json::kMostNameBytes);
+  change.author = fields.at("author").text();
+  change.time = fields.at("time").text();
   change.seconds = fields.at("seconds").number(0.0, kLongestWorkSeconds);
   change.landmarks = labels_from(fields.at("landmarks"), head.convention);
   if (!fields.has("mask")) return change;

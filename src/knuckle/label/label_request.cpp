@@ -5,14 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "knuckle/label/label_json.h"
+#include "knuckle/data/json_fields.h"
+#include "knuckle/label/label_limits.h"
 
 namespace knuckle {
 namespace {
 
-using label_json::Fields;
-using label_json::Json;
-using label_json::Value;
 using Kind = LabelRequest::Kind;
 
 constexpr double kLongestSeconds = 3600.0;
@@ -33,13 +31,13 @@ std::vector<std::string> keys_of(Kind kind) {
   return keys;
 }
 
-double number_in(const Value& list, std::size_t size, std::size_t i, double farthest) {
+double number_in(const JsonValue& list, std::size_t size, std::size_t i, double farthest) {
   if (!list.json.is_array() || list.json.size() != size)
     list.fail_expected(fmt::format("a list of {} numbers", size));
-  return Value{list.json[i], list.where}.number(-farthest, farthest);
+  return JsonValue{list.json[i], list.where}.number(-farthest, farthest);
 }
 
-std::size_t landmark_from(const Value& value, const Convention& convention) {
+std::size_t landmark_from(const JsonValue& value, const Convention& convention) {
   const std::string name = value.text();
   for (std::size_t i = 0; i < convention.landmarks.size(); ++i) {
     if (name_of(convention.landmarks[i]) == name) return i;
@@ -47,22 +45,22 @@ std::size_t landmark_from(const Value& value, const Convention& convention) {
   fail("{}: '{}' is no landmark of {}", value.where, name, convention.name);
 }
 
-BrushStroke stroke_from(const Fields& fields) {
-  const Value points = fields.at("points");
+BrushStroke stroke_from(const JsonFields& fields) {
+  const JsonValue points = fields.at("points");
   if (!points.json.is_array() || points.json.empty() || points.json.size() > kMostStrokePoints)
     points.fail_expected(fmt::format("a list of 1 to {} points", kMostStrokePoints));
   BrushStroke stroke;
   for (const Json& one : points.json) {
-    const Value point{one, points.where};
+    const JsonValue point{one, points.where};
     stroke.points.push_back(
-        {number_in(point, 2, 0, label_json::kFarthestPx), number_in(point, 2, 1, label_json::kFarthestPx)});
+        {number_in(point, 2, 0, kFarthestLabelPx), number_in(point, 2, 1, kFarthestLabelPx)});
   }
   stroke.radius_px = fields.at("radius_px").number(kSmallestBrushPx, kLargestBrushPx);
   stroke.erases = fields.at("erases").flag();
   return stroke;
 }
 
-void read_hand(const Fields& fields, const LabelHead& head, LabelRequest& request) {
+void read_hand(const JsonFields& fields, const LabelHead& head, LabelRequest& request) {
   constexpr std::array<std::string_view, 2> kSides{"right", "left"};
   request.hand.frame = fields.at("frame").whole_number(0, head.frames - 1);
   request.hand.side = fields.at("side").one_of(kSides) == 1 ? HandSide::left : HandSide::right;
@@ -73,21 +71,21 @@ void read_hand(const Fields& fields, const LabelHead& head, LabelRequest& reques
 }  // namespace
 
 LabelRequest parse_label_request(std::string_view text, const LabelHead& head) {
-  const Json json = label_json::parsed(text, kMostRequestBytes, kWhere);
-  const Value message{json, kWhere};
+  const Json json = parsed_json(text, kMostRequestBytes, kDeepestLabelJson, kWhere);
+  const JsonValue message{json, kWhere};
   if (!json.is_object() || !json.contains("act")) message.fail_expected(R"(an object with the key "act")");
   LabelRequest request;
-  request.kind = static_cast<Kind>(Value{json["act"], "message: act"}.one_of(kActs));
-  const Fields fields(message, keys_of(request.kind), {"preview", "model", "seconds"});
+  request.kind = static_cast<Kind>(JsonValue{json["act"], "message: act"}.one_of(kActs));
+  const JsonFields fields(message, keys_of(request.kind), {"preview", "model", "seconds"});
   if (fields.has("frame")) read_hand(fields, head, request);
   if (fields.has("pixel")) {
-    request.u = number_in(fields.at("pixel"), 2, 0, label_json::kFarthestPx);
-    request.v = number_in(fields.at("pixel"), 2, 1, label_json::kFarthestPx);
+    request.u = number_in(fields.at("pixel"), 2, 0, kFarthestLabelPx);
+    request.v = number_in(fields.at("pixel"), 2, 1, kFarthestLabelPx);
   }
   if (fields.has("point_mm")) {
     for (int i = 0; i < 3; ++i) {
       request.point_mm[i] =
-          number_in(fields.at("point_mm"), 3, static_cast<std::size_t>(i), label_json::kFarthestMm);
+          number_in(fields.at("point_mm"), 3, static_cast<std::size_t>(i), kFarthestLabelMm);
     }
   }
   if (fields.has("points")) request.stroke = stroke_from(fields);
