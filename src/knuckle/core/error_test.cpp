@@ -23,14 +23,17 @@ TEST(Error, SaysWhatIsPrintableAsItWasTold) {
 
 TEST(Error, EndsSomewhereHoweverLongWhatItQuotes) {
   EXPECT_EQ(error_of([] { fail("{}", std::string(16000, 'x')); }), std::string(16000, 'x'));
-  EXPECT_EQ(error_of([] { fail("{}", std::string(16001, 'x')); }), std::string(16000, 'x') + "...");
-  EXPECT_EQ(error_of([] { fail("{}", std::string(16000, '\x01')); }).size(), 16003u);
-  const std::string euros = [] {
-    std::string text;
-    while (text.size() < 20000) text += "\xe2\x82\xac";
-    return text;
-  }();
-  EXPECT_EQ(error_of([&] { fail("{}", euros); }), euros.substr(0, 15999) + "...") << "no part of a sign";
+  EXPECT_EQ(error_of([] { fail("a.png: {}, expected b", std::string(17000, 'x')); }),
+            "a.png: " + std::string(7991, 'x') + "..." + std::string(7986, 'x') + ", expected b")
+      << "which file, and what was expected, lie at the ends";
+  EXPECT_LE(error_of([] { fail("{}", std::string(16000, '\x01')); }).size(), 16000u);
+  for (const std::string start : {"", "a", "ab"}) {
+    std::string euros = start;
+    while (euros.size() < 20000) euros += "\xe2\x82\xac";
+    const std::string shown = error_of([&] { fail("{}", euros); });
+    EXPECT_GT(shown.size(), 15990u);
+    EXPECT_EQ(printable(shown), shown) << "no part of a sign";
+  }
 }
 
 }  // namespace
