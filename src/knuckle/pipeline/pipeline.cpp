@@ -127,12 +127,11 @@ Search in_mirror(Search search) {
   return search;
 }
 
-constexpr double kSureOfSide = 0.98;
+constexpr double kSureOfSide = 0.9;
 constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
 
-/// 0 where nothing is known.
-double odds_of(const std::optional<double>& likelihood) {
-  return likelihood ? log_odds(*likelihood) : 0.0;
+HandSide opposite(HandSide side) {
+  return side == HandSide::right ? HandSide::left : HandSide::right;
 }
 
 /// What was found as a right hand in the mirrored frame is a left one in the frame, `width` pixels wide.
@@ -280,31 +279,35 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
 /// well, and what it says of both sides and how sure it is of both poses decide.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region, const Look& look,
                                               StageTimes& times) const {
-  if (!finder_.hand().is_auto()) return right_hand_in(frame, std::move(region), look, times);
-  const Look to_the_end{.side = look.side};
-  if (look.side) return hand_of_side(frame, std::move(region), *look.side, to_the_end, times);
-  const HandSide guess = region.side.value_or(HandSide::right);
-  auto hand = hand_of_side(frame, region, guess, to_the_end, times);
-  if (!hand || hand->side_confidence.value_or(0.0) >= kSureOfSide) return hand;
-  auto other = hand_of_side(frame, std::move(region),
-                            guess == HandSide::right ? HandSide::left : HandSide::right, to_the_end, times);
-  if (!other) return hand;
-  const double evidence = odds_of(hand->side_confidence) - odds_of(other->side_confidence) +
-                          kOddsOfScore * (hand->score - other->score);
-  return evidence >= 0.0 ? std::move(hand) : std::move(other);
+  const bool is_auto = finder_.hand().is_auto();
+  Look first = look;
+  if (is_auto) first.may_give_up = false;  // as a hand of the other side it may be sure
+  const HandSide guess =
+      is_auto ? look.side.value_or(region.side.value_or(HandSide::right)) : HandSide::right;
+  auto sight = sight_of(frame, region, guess, first, times);
+  if (!sight) return std::nullopt;
+  if (is_auto && !look.side && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
+    auto other = sight_of(frame, std::move(region), opposite(guess), first, times);
+    if (other && other->odds_of_side() > sight->odds_of_side()) sight = std::move(other);
+  }
+  return completed(frame, *std::move(sight), look, times);
 }
 
-std::optional<HandEstimate> Pipeline::hand_of_side(const Frame& frame, HandRegion region, HandSide side,
-                                                   const Look& look, StageTimes& times) const {
-  if (side == HandSide::right) return right_hand_in(frame, std::move(region), look, times);
-  const int width = frame.camera.width;
-  auto hand = right_hand_in(mirrored(frame), mirrored(std::move(region), width), look, times);
-  if (hand) hand = mirrored_back(*std::move(hand), width);
-  return hand;
+double Pipeline::Sight::odds_of_side() const {
+  return (pose.right_hand ? log_odds(*pose.right_hand) : 0.0) + kOddsOfScore * score;
 }
 
-std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegion region, const Look& look,
-                                                    StageTimes& times) const {
+std::optional<Pipeline::Sight> Pipeline::sight_of(const Frame& frame, HandRegion region, HandSide side,
+                                                  const Look& look, StageTimes& times) const {
+  if (side == HandSide::right) return sight_of_right(frame, std::move(region), look, times);
+  auto mirror = std::make_unique<const Frame>(mirrored(frame));
+  auto sight = sight_of_right(*mirror, mirrored(std::move(region), frame.camera.width), look, times);
+  if (sight) sight->mirror = std::move(mirror);
+  return sight;
+}
+
+std::optional<Pipeline::Sight> Pipeline::sight_of_right(const Frame& frame, HandRegion region,
+                                                        const Look& look, StageTimes& times) const {
   auto patch = timed(times.patch_ms, [&] { return estimator_->patches().extract(frame, region); });
   if (!patch) return std::nullopt;
   PatchPose in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
@@ -319,25 +322,36 @@ std::optional<HandEstimate> Pipeline::right_hand_in(const Frame& frame, HandRegi
     in_patch = timed(times.estimate_ms, [&] { return estimator_->estimate(*patch); });
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
-  double witnessed = score_of(in_patch, region);
-  if (is_sure(witnessed) && !in_patch.hand && witnessed < finder_.hand().judged_below) {
+  double score = score_of(in_patch, region);
+  if (is_sure(score) && !in_patch.hand && score < finder_.hand().judged_below) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->judged(*patch, std::move(in_patch)); });
-    witnessed = score_of(in_patch, region);
+    score = score_of(in_patch, region);
   }
-  if (is_sure(witnessed) && finder_.hand().is_auto() && !look.side) {
+  if (is_sure(score) && finder_.hand().is_auto() && !look.side) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->sided(*patch, std::move(in_patch)); });
   }
-  if (is_sure(witnessed)) {
-    in_patch = timed(times.estimate_ms, [&] { return estimator_->ascertained(*patch, std::move(in_patch)); });
+  return Sight{*std::move(patch), std::move(in_patch), std::move(region), score};
+}
+
+HandEstimate Pipeline::completed(const Frame& frame, Sight sight, const Look& look, StageTimes& times) const {
+  HandEstimate hand = completed_right(sight.mirror ? *sight.mirror : frame, sight, look, times);
+  return sight.mirror ? mirrored_back(std::move(hand), frame.camera.width) : hand;
+}
+
+HandEstimate Pipeline::completed_right(const Frame& frame, Sight& sight, const Look& look,
+                                       StageTimes& times) const {
+  if (is_sure(sight.score)) {
+    sight.pose =
+        timed(times.estimate_ms, [&] { return estimator_->ascertained(sight.patch, std::move(sight.pose)); });
   }
-  HandPose pose = pose_in_image(in_patch, estimator_->convention(), patch->geometry);
+  HandPose pose = pose_in_image(sight.pose, estimator_->convention(), sight.patch.geometry);
   HandEstimate hand;
-  hand.side_confidence = in_patch.right_hand;
-  hand.score = witnessed;
-  if (is_sure(witnessed) || !look.may_give_up) {
-    hand.score *= std::sqrt(timed(times.refine_ms, [&] { return refine(frame, region, pose, hand); }));
+  hand.side_confidence = sight.pose.right_hand;
+  hand.score = sight.score;
+  if (is_sure(sight.score) || !look.may_give_up) {
+    hand.score *= std::sqrt(timed(times.refine_ms, [&] { return refine(frame, sight.region, pose, hand); }));
   }
-  hand.region = std::move(region);
+  hand.region = std::move(sight.region);
   hand.pose = landmarks_ ? defined_pose(*landmarks_, pose, Projection(frame.camera), HandSide::right)
                          : std::move(pose);
   return hand;

@@ -131,16 +131,29 @@ class Pipeline {
     std::optional<HandSide> side = {};  ///< where it is known
     bool may_give_up = false;           ///< what will not be sure need not be looked at to the end
   };
+  /// A place at first sight, as a hand of one side.
+  struct Sight {
+    HandPatch patch;
+    PatchPose pose;
+    HandRegion region;
+    double score = 0.0;
+    std::unique_ptr<const Frame> mirror = {};  ///< the mirrored frame, in which a left hand is looked at
+
+    /// How much speaks for that side, in log odds.
+    double odds_of_side() const;
+  };
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, const Look& look,
                  FrameEstimate& result) const;
   void look_at_start(const Frame& frame, const Search& search, HandEstimate& hand, StageTimes& times) const;
   void look_elsewhere(const Frame& frame, const Search& search, FrameEstimate& result) const;
   std::optional<HandEstimate> hand_in(const Frame& frame, HandRegion region, const Look& look,
                                       StageTimes& times) const;
-  std::optional<HandEstimate> right_hand_in(const Frame& frame, HandRegion region, const Look& look,
-                                            StageTimes& times) const;
-  std::optional<HandEstimate> hand_of_side(const Frame& frame, HandRegion region, HandSide side,
-                                           const Look& look, StageTimes& times) const;
+  std::optional<Sight> sight_of(const Frame& frame, HandRegion region, HandSide side, const Look& look,
+                                StageTimes& times) const;
+  std::optional<Sight> sight_of_right(const Frame& frame, HandRegion region, const Look& look,
+                                      StageTimes& times) const;
+  HandEstimate completed(const Frame& frame, Sight sight, const Look& look, StageTimes& times) const;
+  HandEstimate completed_right(const Frame& frame, Sight& sight, const Look& look, StageTimes& times) const;
   HandRegion region_looked_at(const Frame& frame, const ImagePoint& centre, const HandRegion& before) const;
   double refine(const Frame& frame, const HandRegion& region, HandPose& pose, HandEstimate& hand) const;
   double score_of(const PatchPose& pose, const HandRegion& region) const;

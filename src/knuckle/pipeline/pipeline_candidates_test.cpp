@@ -203,11 +203,13 @@ TEST(PipelineFromParts, GivesUpWhereASearchFoundNoHand) {
   EXPECT_EQ(work_at(0.51f, "right", {}), (Work{3, 1}));
 }
 
-TEST(PipelineFromParts, GivesUpNowhereElse) {
+TEST(PipelineFromParts, DoesNotGiveUpAtAStartNorBeforeBothSidesWereSeen) {
   // At a start, the place that segmentation found and the start itself are both seen to the end.
   const Search at_start{.start = Point3(-170.0, 0.0, 500.0), .elsewhere = false};
   EXPECT_EQ(work_at(0.14f, "right", at_start), (Work{6, 2}));
-  EXPECT_EQ(work_at(0.14f, "auto", {}), (Work{6, 2})) << "both sides are compared";
+  EXPECT_EQ(work_at(0.14f, "auto", {}), (Work{6, 0})) << "both sides are compared, neither is sure";
+  EXPECT_EQ(work_at(0.51f, "auto", {}), (Work{6, 1})) << "the one that is kept is refined";
+  EXPECT_EQ(work_at(0.14f, "auto", at_start), (Work{12, 2}));
 }
 
 TEST(PipelineFromParts, PlacesNearerThanFiftyMillimetresAreOneHand) {

@@ -87,13 +87,12 @@ TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
   EXPECT_EQ(side(0.52, 0.3f), HandSide::left)
       << "a little likelier a right one, and much surer as a left one";
   EXPECT_EQ(side(0.6, 0.01f), HandSide::right);
-  EXPECT_EQ(side(0.985, 0.3f), HandSide::right) << "sure of the side: the other one is not looked at";
 }
 
-/// Knows the side, a left one, only when other looks are asked for.
+/// Knows the side only when other looks are asked for: a left one, with this likelihood.
 class AskedForSide final : public Estimator {
  public:
-  explicit AskedForSide(int* asked) : asked_(asked) {}
+  explicit AskedForSide(int* asked, double left = 0.7) : sees_(left), asked_(asked) {}
   Convention convention() const override { return sees_.convention(); }
   const PatchExtractor& patches() const override { return sees_.patches(); }
   PatchPose estimate(const HandPatch& patch) const override { return sees_.estimate(patch); }
@@ -104,7 +103,7 @@ class AskedForSide final : public Estimator {
   }
 
  private:
-  SideEstimator sees_{0.7};
+  SideEstimator sees_;
   int* asked_;
 };
 
@@ -125,6 +124,19 @@ TEST(PipelineFromParts, OtherLooksTellTheSideWhereItIsNotKnown) {
   EXPECT_EQ(asked, 0) << "it is said";
   side({.side = "auto", .sure_confidence = 0.9});
   EXPECT_EQ(asked, 0) << "it is no hand anyway";
+}
+
+TEST(PipelineFromParts, WhereTheSideIsClearTheOtherOneIsNotLookedAt) {
+  const auto sides_seen = [](double left, HandSide guess) {
+    int asked = 0;
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(guess), {.side = "auto"}),
+                        std::make_unique<AskedForSide>(&asked, left)};
+    EXPECT_EQ(Pipeline(std::move(parts)).estimate(plate()).hands.at(0).side, HandSide::left);
+    return asked;
+  };
+  EXPECT_EQ(sides_seen(0.91, HandSide::left), 1);
+  EXPECT_EQ(sides_seen(0.89, HandSide::left), 2);
+  EXPECT_EQ(sides_seen(0.99, HandSide::right), 2) << "a wrong guess";
 }
 
 TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
