@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/error.h"
-#include "knuckle/core/image.h"
 #include "knuckle/core/suggestion.h"
 #include "knuckle/core/text.h"
 

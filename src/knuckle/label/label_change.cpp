@@ -7,6 +7,9 @@
 #include <iterator>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "knuckle/core/error.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/data/json_fields.h"
 #include "knuckle/label/label_limits.h"

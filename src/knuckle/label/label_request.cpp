@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "knuckle/core/error.h"
 #include "knuckle/data/json_fields.h"
 #include "knuckle/label/label_limits.h"
 
