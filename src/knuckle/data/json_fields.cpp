@@ -70,17 +70,22 @@ JsonFields::JsonFields(const JsonValue& value, const std::vector<std::string>& k
                        const std::vector<std::string>& optional)
     : value_(value) {
   if (!value_.json.is_object()) value_.fail_expected("an object");
-  std::vector<std::string> all = known;
-  all.insert(all.end(), optional.begin(), optional.end());
   for (const auto& [key, field] : value_.json.items()) {
-    if (std::ranges::find(all, key) == all.end())
-      fail("{}: unknown key '{}'{}", value_.where, key, suggestion(key, all));
+    if (std::ranges::find(known, key) != known.end() || std::ranges::find(optional, key) != optional.end())
+      continue;
+    std::vector<std::string> all = known;
+    all.insert(all.end(), optional.begin(), optional.end());
+    fail("{}: unknown key '{}'{}", value_.where, key, suggestion(key, all));
   }
-  for (const std::string& key : known) at(key);
+  for (const std::string& key : known) require(key);
+}
+
+void JsonFields::require(const std::string& key) const {
+  if (!has(key)) fail("{}: lacks the key '{}'", value_.where, key);
 }
 
 JsonValue JsonFields::at(const std::string& key) const {
-  if (!has(key)) fail("{}: lacks the key '{}'", value_.where, key);
+  require(key);
   return {value_.json.at(key), fmt::format("{}: {}", value_.where, key)};
 }
 

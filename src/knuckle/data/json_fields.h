@@ -51,6 +51,8 @@ class JsonFields {
   JsonValue at(const std::string& key) const;
 
  private:
+  void require(const std::string& key) const;
+
   JsonValue value_;
 };
 

@@ -280,13 +280,14 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region, const Look& look,
                                               StageTimes& times) const {
   const bool is_auto = finder_.hand().is_auto();
+  const bool is_open = is_auto && !look.side;
   Look first = look;
   if (is_auto) first.may_give_up = false;  // as a hand of the other side it may be sure
   const HandSide guess =
       is_auto ? look.side.value_or(region.side.value_or(HandSide::right)) : HandSide::right;
-  auto sight = sight_of(frame, region, guess, first, times);
+  auto sight = sight_of(frame, is_open ? HandRegion(region) : std::move(region), guess, first, times);
   if (!sight) return std::nullopt;
-  if (is_auto && !look.side && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
+  if (is_open && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
     auto other = sight_of(frame, std::move(region), opposite(guess), first, times);
     if (other && other->odds_of_side() > sight->odds_of_side()) sight = std::move(other);
   }
