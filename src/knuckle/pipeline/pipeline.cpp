@@ -285,10 +285,12 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
   if (is_auto) first.may_give_up = false;  // as a hand of the other side it may be sure
   const HandSide guess =
       is_auto ? look.side.value_or(region.side.value_or(HandSide::right)) : HandSide::right;
-  auto sight = sight_of(frame, is_open ? HandRegion(region) : std::move(region), guess, first, times);
+  std::optional<HandRegion> of_other_side;
+  if (is_open) of_other_side = region;
+  auto sight = sight_of(frame, std::move(region), guess, first, times);
   if (!sight) return std::nullopt;
-  if (is_open && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
-    auto other = sight_of(frame, std::move(region), opposite(guess), first, times);
+  if (of_other_side && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
+    auto other = sight_of(frame, *std::move(of_other_side), opposite(guess), first, times);
     if (other && other->odds_of_side() > sight->odds_of_side()) sight = std::move(other);
   }
   return completed(frame, *std::move(sight), look, times);
