@@ -26,17 +26,14 @@ find_package(Boost 1.74 QUIET)
 pkg_check_modules(FREENECT QUIET IMPORTED_TARGET libfreenect)
 pkg_check_modules(OPENNI2 QUIET IMPORTED_TARGET libopenni2)
 
-# The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the three modules that we use ourselves.
+# The CMake package of OpenCV comes only with all of it (Qt, VTK, ...): find the modules that we use ourselves.
 find_path(OPENCV_INCLUDE_FOLDER opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 add_library(knuckle_opencv INTERFACE IMPORTED GLOBAL)
 target_include_directories(knuckle_opencv INTERFACE ${OPENCV_INCLUDE_FOLDER})
-foreach(module core imgproc imgcodecs)
+foreach(module core imgproc)
   find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
 endforeach()
 target_link_libraries(knuckle_opencv INTERFACE ${OPENCV_core_LIBRARY} ${OPENCV_imgproc_LIBRARY})
-# Reading and writing PNG files loads a hundred libraries: only who does that links them.
-add_library(knuckle_opencv_codecs INTERFACE IMPORTED GLOBAL)
-target_link_libraries(knuckle_opencv_codecs INTERFACE knuckle_opencv ${OPENCV_imgcodecs_LIBRARY})
 
 # Runs ONNX files: the module net/onnx loads it when it is needed. Without it such files are checked and refused.
 find_library(OPENCV_dnn_LIBRARY opencv_dnn)

@@ -4,6 +4,7 @@ find_package(CLI11 REQUIRED)
 
 option(KNUCKLE_DEVELOPMENT "Tests, benchmarks and the training of networks: needs GoogleTest, Google Benchmark and LibTorch" ON)
 add_library(knuckle_torch INTERFACE IMPORTED GLOBAL)
+add_library(knuckle_opencv_codecs INTERFACE IMPORTED GLOBAL)
 if(NOT KNUCKLE_DEVELOPMENT)
   # Targets that use these are known then, but cannot be built.
   foreach(library GTest::gtest_main GTest::gmock benchmark::benchmark_main)
@@ -14,6 +15,10 @@ endif()
 
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
+
+# Another reader and writer of PNG. It brings a hundred libraries, so nothing but tests is linked to it.
+find_library(OPENCV_imgcodecs_LIBRARY opencv_imgcodecs REQUIRED)
+target_link_libraries(knuckle_opencv_codecs INTERFACE knuckle_opencv ${OPENCV_imgcodecs_LIBRARY})
 
 # LibTorch's CMake package asks for files that Debian leaves out, and warns of each: where it is Debian's, name the three
 # libraries ourselves, and those of CUDA where it is libtorch-cuda-dev. Elsewhere CMAKE_PREFIX_PATH tells where it lies.

@@ -13,7 +13,7 @@ packages=(
   # tools
   g++ make cmake ninja-build pkg-config gnuplot-nox fonts-dejavu-core
   # libraries
-  libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libhdf5-dev libmatio-dev
+  libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libhdf5-dev libmatio-dev
   libopenexr-dev libpng-dev zlib1g-dev libdeflate-dev libbz2-dev liblz4-dev libzstd-dev libxxhash-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtbb-dev
   # the server of `live --view` (headers alone)
   libboost-dev
@@ -29,6 +29,8 @@ development_packages=(
   # headers that LibTorch's c10d includes: training by several processes
   libgloo-dev
   libgtest-dev libgmock-dev libbenchmark-dev
+  # writes and reads PNG files beside us
+  libopencv-imgcodecs-dev
   # write recordings that tests read
   libfreenect-bin ffmpeg
   # shows the page of `live` in its tests

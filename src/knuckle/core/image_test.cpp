@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "knuckle/core/box.h"
-#include "knuckle/core/image_cv.h"
 
 namespace knuckle {
 namespace {
@@ -39,12 +38,6 @@ TEST(ImageTest, MirrorMovesColumnsAndIsItsOwnInverse) {
   const Image<int> mirror = mirrored(image);
   EXPECT_EQ(mirror(0, 1), image(3, 1));
   EXPECT_EQ(mirrored(mirror), image);
-}
-
-TEST(ImageTest, OpenCvSeesTheSamePixels) {
-  Image<float> image(3, 2);
-  cv_view(image)(1, 2) = 7.0f;  // OpenCV counts (row, column)
-  EXPECT_EQ(image(2, 1), 7.0f);
 }
 
 TEST(BoxTest, IntersectionHoldsThePixelsOfBoth) {

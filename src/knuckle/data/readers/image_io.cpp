@@ -6,14 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "knuckle/core/error.h"
-#include "knuckle/core/image_cv.h"
 #include "knuckle/core/limits.h"
 #include "knuckle/core/regular_file.h"
 #include "knuckle/data/readers/depth_image.h"
 #include "knuckle/data/readers/png_decoder.h"
+#include "knuckle/data/readers/png_encoder.h"
 #include "knuckle/storage/file_io.h"
 
 namespace knuckle {
@@ -39,9 +37,9 @@ Image<T> single_channel(const PngPixels& decoded, const std::filesystem::path& p
   return image;
 }
 
-void write_encoded(const std::filesystem::path& path, const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", image, bytes)) fail("{}: the image cannot be encoded", path.string());
+template <class T>
+void write_encoded(const std::filesystem::path& path, const Image<T>& image) {
+  const std::vector<std::uint8_t> bytes = encode_png(image);
   write_text_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
@@ -79,20 +77,15 @@ Image<Rgb> read_png_rgb(const std::filesystem::path& path, const ExpectedSize& e
 }
 
 void write_png(const std::filesystem::path& path, const Image<std::uint16_t>& image) {
-  write_encoded(path, cv_view(image));
+  write_encoded(path, image);
 }
 
 void write_png(const std::filesystem::path& path, const Image<std::uint8_t>& image) {
-  write_encoded(path, cv_view(image));
+  write_encoded(path, image);
 }
 
 void write_png(const std::filesystem::path& path, const Image<Rgb>& image) {
-  cv::Mat_<cv::Vec3b> encoded(image.height(), image.width());
-  for (int row = 0; row < image.height(); ++row) {
-    std::ranges::transform(image.row(row), encoded[row],
-                           [](const Rgb& pixel) { return cv::Vec3b(pixel.blue, pixel.green, pixel.red); });
-  }
-  write_encoded(path, encoded);
+  write_encoded(path, image);
 }
 
 }  // namespace knuckle

@@ -7,6 +7,7 @@
 
 #include "knuckle/core/image.h"
 #include "knuckle/core/image_size.h"
+#include "knuckle/core/rgb.h"
 
 namespace knuckle {
 
@@ -22,14 +23,6 @@ Image<std::uint8_t> read_png8(const std::filesystem::path& path, const ExpectedS
 
 /// Reads a PNG of one channel with 8 or 16 bits; see read_png16.
 Image<std::uint16_t> read_png8_or_16(const std::filesystem::path& path, const ExpectedSize& expected = {});
-
-/// One 8-bit RGB colour.
-struct Rgb {
-  std::uint8_t red = 0;
-  std::uint8_t green = 0;
-  std::uint8_t blue = 0;
-  bool operator==(const Rgb&) const = default;
-};
 
 /// Reads a PNG of three (or four, then without the last) 8-bit channels.
 Image<Rgb> read_png_rgb(const std::filesystem::path& path, const ExpectedSize& expected = {});

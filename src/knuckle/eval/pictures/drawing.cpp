@@ -4,7 +4,6 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "knuckle/core/error.h"
@@ -189,15 +188,6 @@ Image<Rgb> picture_of(const Frame& frame) {
   Image<Rgb> picture = picture_of(frame.depth_mm, view, depth_range_in(frame.depth_mm, all));
   if (frame.truth) draw_skeleton(picture, *frame.truth, view, kTruthColour);
   return picture;
-}
-
-std::vector<std::uint8_t> png_bytes(const Image<Rgb>& picture) {
-  Image<Rgb> copy = picture;
-  cv::Mat blue_first;
-  cv::cvtColor(as_matrix(copy), blue_first, cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", blue_first, bytes)) fail("a picture cannot be encoded as PNG");
-  return bytes;
 }
 
 std::string hex_code(const Rgb& colour) {

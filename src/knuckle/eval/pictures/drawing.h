@@ -13,7 +13,7 @@
 #include "knuckle/core/frame.h"
 #include "knuckle/core/image.h"
 #include "knuckle/core/pose.h"
-#include "knuckle/data/readers/image_io.h"
+#include "knuckle/core/rgb.h"
 
 namespace knuckle {
 
@@ -75,9 +75,6 @@ void paste(const Image<Rgb>& picture, Image<Rgb>& sheet, int x, int y);
 /// The whole frame as a picture for people, with its true skeleton where it has one; small images are
 /// enlarged.
 Image<Rgb> picture_of(const Frame& frame);
-
-/// A picture as the bytes of a PNG file.
-std::vector<std::uint8_t> png_bytes(const Image<Rgb>& picture);
 
 /// "#rrggbb".
 std::string hex_code(const Rgb& colour);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "knuckle/core/text.h"
+#include "knuckle/data/readers/png_encoder.h"
 #include "knuckle/eval/pictures/angle_figures.h"
 #include "knuckle/eval/pictures/drawing.h"
 #include "knuckle/eval/pictures/surface_picture.h"
@@ -349,7 +350,7 @@ std::string gallery_section(const std::vector<GalleryRow>& rows) {
       add(html,
           "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption><span>{0}</span>"
           "<span>{2}</span></figcaption></figure>\n",
-          html_escaped(picture.caption), base64(png_bytes(picture.picture)), html_escaped(picture.note));
+          html_escaped(picture.caption), base64(encode_png(picture.picture)), html_escaped(picture.note));
     }
     html += "</div></section>\n";
   }
