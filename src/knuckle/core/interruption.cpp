@@ -12,13 +12,21 @@ namespace {
 
 std::atomic<bool> was_asked_to_end = false;
 std::atomic<bool> has_got_signal = false;
+std::atomic<bool> is_held = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
+pthread_t holder;  // the thread that holds signals; written before is_held
 thread_local const std::atomic<bool>* own_end = nullptr;
 
 /// The second signal is left to the system, which ends the program as if nobody watched. Work that ends for
-/// another reason is no signal: what it has yet to write would be lost.
+/// another reason is no signal: what it has yet to write would be lost. One that is held comes here where
+/// another thread takes it (libraries start some before `main`): it waits with the thread that holds it, else
+/// it would be gone with this program's memory.
 extern "C" void on_interruption(int signal_number) {
   was_asked_to_end = true;
+  if (is_held) {
+    ::pthread_kill(holder, signal_number);
+    return;
+  }
   if (!has_got_signal.exchange(true)) return;
   std::signal(signal_number, SIG_DFL);
   std::raise(signal_number);
@@ -35,8 +43,8 @@ void watch(int signal_number) {
   ::sigaction(signal_number, &action, nullptr);
 }
 
-/// SIG_BLOCK or SIG_UNBLOCK for both signals.
-void set_held(int how) {
+/// SIG_BLOCK or SIG_UNBLOCK for both signals, in this thread.
+void set_mask(int how) {
   sigset_t signals;
   ::sigemptyset(&signals);
   ::sigaddset(&signals, SIGINT);
@@ -47,13 +55,16 @@ void set_held(int how) {
 }  // namespace
 
 void watch_for_interruption() {
+  is_held = false;
   watch(SIGINT);
   watch(SIGTERM);
-  set_held(SIG_UNBLOCK);
+  set_mask(SIG_UNBLOCK);
 }
 
 void hold_interruption() {
-  set_held(SIG_BLOCK);
+  set_mask(SIG_BLOCK);
+  holder = ::pthread_self();
+  is_held = true;
 }
 
 bool is_interrupted() {

@@ -18,8 +18,8 @@ class Interrupted : public std::runtime_error {
 void watch_for_interruption();
 
 /// From now on a SIGINT or SIGTERM waits for the next call of `watch_for_interruption`, in this program or in
-/// the one that takes its place (`execv`): else one that comes while that is loaded would end it without a
-/// word.
+/// the one that takes its place (`execv` by this thread): else one that comes while that is loaded would end
+/// it without a word. Whether one has come before is to be asked after this call, not before it.
 void hold_interruption();
 
 /// Whether the program was asked to end, or this thread's work was (InterruptedBy). `parallel_for` and

@@ -2,10 +2,12 @@
 #include "knuckle/core/interruption.h"
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "knuckle/core/interrupted_by.h"
 #include "knuckle/core/ordered_work.h"
@@ -104,6 +106,24 @@ TEST_F(InterruptionTest, ASignalThatIsHeldComesWhenItIsWatchedFor) {
         if (is_interrupted()) std::_Exit(8);
         watch_for_interruption();
         std::_Exit(is_interrupted() ? 7 : 9);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
+TEST_F(InterruptionTest, ASignalThatIsHeldWaitsAlsoWhereAnotherThreadTakesIt) {
+  EXPECT_EXIT(
+      {
+        watch_for_interruption();
+        std::thread([] { std::this_thread::sleep_for(std::chrono::minutes(1)); }).detach();
+        hold_interruption();
+        ::kill(::getpid(), SIGTERM);  // this thread does not take it
+        sigset_t waiting;             // what execv hands on
+        ::sigemptyset(&waiting);
+        for (int look = 0; look < 10'000 && ::sigismember(&waiting, SIGTERM) == 0; ++look) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          if (is_interrupted()) ::sigpending(&waiting);
+        }
+        std::_Exit(::sigismember(&waiting, SIGTERM) == 1 ? 7 : 8);
       },
       ::testing::ExitedWithCode(7), "");
 }
