@@ -335,13 +335,14 @@ def convention_cases(_, root):
     return made
 
 
-def killed(program, arguments, left, bytes_at_least=1):
-    """Runs the program until it has left that file, so long at least, and kills it; again where it was done before."""
+def killed(program, arguments, left, bytes_at_least=1, later_s=0.0):
+    """Runs the program until it has left that file, so long at least, and kills it so much later; again where it was done before."""
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     for _ in range(20):
         process = subprocess.Popen([program, *map(str, arguments)], cwd=PROJECT, **silent)
         while process.poll() is None and not (left.exists() and left.stat().st_size >= bytes_at_least):
             time.sleep(0.001)
+        time.sleep(later_s)
         process.kill()
         process.wait()
         if left.exists():
@@ -367,7 +368,8 @@ def interrupted_cases(program, root):
     take = root / "take"
     take.mkdir()
     record = ["record", "--source", f"folder:{root / 'folder'}?rate=0.2", "--out", take / "take.h5"]
-    killed(program, record, take / "take.h5.partial", bytes_at_least=1000)  # more than its head
+    # More than its head, and the first frame to its end; the next one comes after 5 s.
+    killed(program, record, take / "take.h5.partial", bytes_at_least=1000, later_s=2.0)
     made.append(Case("record --finish", take, "take.h5.partial", ["record", "--finish", "FOLDER/take.h5"], with_record_sums))
     parts = root / "parts"
     parts.mkdir()
