@@ -47,6 +47,17 @@ function(knuckle_compile_for level target)
   target_link_libraries(${target}.${level} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
 endfunction()
 
+# knuckle_add_tests(NAME SOURCES ... OF module [TESTED_WITH target ...])
+#
+# Makes the test program knuckle_NAME_test for a module: each test is a process of its own, so what the program loads counts.
+function(knuckle_add_tests name)
+  cmake_parse_arguments(test "" "OF" "SOURCES;TESTED_WITH" ${ARGN})
+  add_executable(knuckle_${name}_test ${test_SOURCES})
+  knuckle_group_sources(knuckle_${name}_test)
+  target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${test_OF} knuckle_test_main ${test_TESTED_WITH} knuckle_warnings)
+  gtest_discover_tests(knuckle_${name}_test TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+endfunction()
+
 # knuckle_add_module(NAME SOURCES ... [PUBLIC_HEADERS ...] [DEPENDS module ...] [PUBLIC lib ...] [PRIVATE lib ...] [TESTS ...]
 #                    [TESTED_WITH target ...])
 #
@@ -73,11 +84,6 @@ function(knuckle_add_module name)
   list(TRANSFORM module_PUBLIC_HEADERS PREPEND ${folder}/)
   set_property(GLOBAL APPEND PROPERTY KNUCKLE_PUBLIC_HEADERS ${module_PUBLIC_HEADERS})
   if(module_TESTS)
-    add_executable(knuckle_${name}_test ${module_TESTS})
-    knuckle_group_sources(knuckle_${name}_test)
-    target_link_libraries(knuckle_${name}_test PRIVATE knuckle_${name} knuckle_test_main ${module_TESTED_WITH}
-                          knuckle_warnings)
-    gtest_discover_tests(knuckle_${name}_test TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
-                         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    knuckle_add_tests(${name} SOURCES ${module_TESTS} OF ${name} TESTED_WITH ${module_TESTED_WITH})
   endif()
 endfunction()

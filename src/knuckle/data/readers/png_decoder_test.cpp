@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/png_decoder.h"
 
-#include <opencv2/imgcodecs.hpp>
 #include <sys/resource.h>
 
-#include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/storage/deflate.h"
 
@@ -58,40 +56,6 @@ std::string fault_of(const Bytes& png) {
   const std::string message = error_of([&] { decode_png(png, "a.png"); });
   EXPECT_THAT(message, AllOf(HasSubstr("a.png"), Not(HasSubstr("\n"))));
   return message;
-}
-
-TEST(PngDecoder, DecodesWhatAnotherCoderWrote) {
-  Random random(1);
-  for (const int type : {CV_8UC1, CV_16UC1, CV_8UC3, CV_8UC4, CV_16UC3}) {
-    for (const int filter : {8, 16, 32, 64, 128, 248}) {  // none, sub, up, average, Paeth, all
-      cv::Mat image(7, 13, type);
-      for (int row = 0; row < image.rows; ++row) {
-        auto* const bytes = image.ptr<std::uint8_t>(row);
-        for (std::size_t i = 0; i < image.cols * image.elemSize(); ++i) {
-          bytes[i] = static_cast<std::uint8_t>(random() % 7 == 0 ? random() : 40 + i);
-        }
-      }
-      Bytes png;
-      ASSERT_TRUE(cv::imencode(".png", image, png, {cv::IMWRITE_PNG_STRATEGY, filter % 5}));
-      const PngPixels pixels = decode_png(png, "a.png");
-      ASSERT_EQ(pixels.width, 13);
-      ASSERT_EQ(pixels.height, 7);
-      ASSERT_EQ(pixels.channels, image.channels());
-      ASSERT_EQ(pixels.bits, static_cast<int>(8 * image.elemSize1()));
-      for (int row = 0; row < image.rows; ++row) {
-        for (int column = 0; column < image.cols; ++column) {
-          for (int channel = 0; channel < image.channels(); ++channel) {
-            const int other = channel < 3 && image.channels() >= 3 ? 2 - channel : channel;  // BGR
-            const std::size_t size = image.elemSize1();
-            const auto* const is =
-                pixels.bytes.data() + ((row * 13 + column) * image.channels() + channel) * size;
-            const auto* const expected = image.ptr<std::uint8_t>(row, column) + other * size;
-            for (std::size_t byte = 0; byte < size; ++byte) ASSERT_EQ(is[byte], expected[byte]);
-          }
-        }
-      }
-    }
-  }
 }
 
 TEST(PngDecoder, UndoesEachFilter) {
