@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "knuckle/core/testing.h"
 #include "knuckle/net/net_testing.h"
@@ -237,6 +238,19 @@ TEST(BatchPlan, EpochsHaveDifferentOrders) {
   const CubeSamples samples = made_up_samples(16);
   BatchPlan plan = plan_of(samples, no_augmentation(), 16, 3);
   EXPECT_NE(plan.batch(0).targets, plan.batch(1).targets);
+}
+
+TEST(BatchPlan, NeverShowsASampleInTheSameViewAgain) {
+  const CubeSamples samples = made_up_samples(1);
+  BatchPlan plan = plan_of(samples, {}, 2, 3);
+  std::set<std::vector<float>> views;
+  for (int number = 0; number < 4; ++number) {
+    const std::vector<float> inputs = plan.batch(number).inputs;
+    const auto middle = inputs.begin() + static_cast<std::ptrdiff_t>(inputs.size() / 2);
+    views.insert({inputs.begin(), middle});
+    views.insert({middle, inputs.end()});
+  }
+  EXPECT_EQ(views.size(), 8u);
 }
 
 TEST(BatchPlan, ABatchDependsOnItsNumberAndTheSeedAlone) {
