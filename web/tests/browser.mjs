@@ -98,6 +98,17 @@ export class OpenPage {
       assert.fail(`${selector} says "${await this.page.locator(selector).textContent()}", expected ${pattern}`);
     }
   }
+
+  /** Waits until an element says something while a frame comes again and again: after two seconds without one, which is soon
+      over on a machine that is busy, the page speaks of that alone. */
+  async saysOfFrames(header, depth, selector, pattern) {
+    const frames = setInterval(() => this.send(header, depth), 200);
+    try {
+      await this.says(selector, pattern);
+    } finally {
+      clearInterval(frames);
+    }
+  }
 }
 
 /** An element as it is seen once it changes no more: a machine that is busy shows late what it has drawn. */

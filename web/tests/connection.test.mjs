@@ -27,11 +27,10 @@ test("a token of the page's address goes with all requests", async () => {
 
 test("a lost connection is said, and found again", async () => {
   const open = await OpenPage.open(browser);
-  await open.show(header(0), depth);
-  assert.equal(await open.text("#connection-text"), "Live");
+  await open.saysOfFrames(header(0), depth, "#connection-text", /^Live$/);
   await open.server.stop();
   await open.says("#notices", /Connection lost: .*tries again/);
-  assert.equal(await open.text("#connection-text"), "No connection");
+  await open.says("#connection-text", /^No connection$/);
   await open.server.start();
   await open.page.keyboard.press("c");
   await open.server.viewer();
