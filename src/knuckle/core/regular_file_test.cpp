@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -119,6 +120,21 @@ TEST(TextFile, WithALineTooLongIsRefused) {
   std::filesystem::resize_file(folder / "b", static_cast<std::uintmax_t>(limits::kTextFileBytes) + 1);
   EXPECT_THAT(error_of([&] { read_lines(folder / "b"); }),
               HasSubstr("b: the file has 4294967297 bytes, expected at most 4294967296"));
+}
+
+TEST(TextFile, WithALineTooLongTakesNoMemoryForIt) {
+  const auto peak_kilobytes = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "one\n";
+  std::filesystem::resize_file(folder / "a", 200'000'004);  // sparse, zeros
+  const long before = peak_kilobytes();
+  EXPECT_THAT(error_of([&] { read_lines(folder / "a"); }),
+              HasSubstr("a:2: the line has 200000000 characters"));
+  EXPECT_LT(peak_kilobytes() - before, 100'000);
 }
 
 }  // namespace
