@@ -3,7 +3,6 @@
 
 #include <fstream>
 
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -11,6 +10,7 @@
 
 #include "knuckle/core/limits.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_memory.h"
 #include "knuckle/core/text_file.h"
 
 namespace knuckle {
@@ -18,6 +18,7 @@ namespace {
 
 using testing::error_of;
 using ::testing::HasSubstr;
+using testing::peak_memory_kb;
 using testing::TemporaryFolder;
 
 std::string fault_of(const std::filesystem::path& path) {
@@ -123,18 +124,13 @@ TEST(TextFile, WithALineTooLongIsRefused) {
 }
 
 TEST(TextFile, WithALineTooLongTakesNoMemoryForIt) {
-  const auto peak_kilobytes = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return usage.ru_maxrss;
-  };
   const TemporaryFolder folder;
   std::ofstream(folder / "a") << "one\n";
   std::filesystem::resize_file(folder / "a", 200'000'004);  // sparse, zeros
-  const long before = peak_kilobytes();
+  const long before = peak_memory_kb();
   EXPECT_THAT(error_of([&] { read_lines(folder / "a"); }),
               HasSubstr("a:2: the line has 200000000 characters"));
-  EXPECT_LT(peak_kilobytes() - before, 100'000);
+  EXPECT_LT(peak_memory_kb() - before, 100'000);
 }
 
 }  // namespace

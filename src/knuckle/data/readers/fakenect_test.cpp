@@ -4,10 +4,9 @@
 #include <cstdlib>
 #include <functional>
 
-#include <sys/resource.h>
-
 #include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_memory.h"
 #include "knuckle/data/readers/data_testing.h"
 #include "knuckle/data/readers/fakenect_source.h"
 #include "knuckle/data/readers/folder_format.h"
@@ -19,6 +18,7 @@ namespace {
 
 using testing::error_of;
 using ::testing::HasSubstr;
+using testing::peak_memory_kb;
 using testing::put_file;
 
 constexpr int kWidth = 640;
@@ -359,15 +359,10 @@ TEST_F(Fakenect, ReadsWhatFakenectRecordWrites) {
 }
 
 TEST(FakenectIndex, OfBlankLinesTakesNoMemory) {
-  const auto peak_kilobytes = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return usage.ru_maxrss;
-  };
   const std::string lines(20'000'000, '\n');
-  const long before = peak_kilobytes();
+  const long before = peak_memory_kb();
   EXPECT_THAT(error_of([&] { parse_fakenect_index(lines, "INDEX.txt"); }), HasSubstr("lists no depth image"));
-  EXPECT_LT(peak_kilobytes() - before, 100'000);
+  EXPECT_LT(peak_memory_kb() - before, 100'000);
 }
 
 }  // namespace

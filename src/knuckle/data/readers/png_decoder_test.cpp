@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/data/readers/png_decoder.h"
 
-#include <sys/resource.h>
-
 #include "knuckle/core/testing.h"
+#include "knuckle/core/testing_memory.h"
 #include "knuckle/storage/deflate.h"
 
 namespace knuckle {
@@ -13,6 +12,7 @@ using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::peak_memory_kb;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -118,17 +118,12 @@ TEST(PngDecoder, RefusesAnotherSizeThanTheCamerasBeforeItLooksAtThePixels) {
 }
 
 TEST(PngDecoder, TakesNoMemoryForARowThatIsTooLong) {
-  const auto peak_kilobytes = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return usage.ru_maxrss;
-  };
-  const long before = peak_kilobytes();
+  const long before = peak_memory_kb();
   for (const int type : {0, 2, 6}) {
     const Png png{.width = 503316800, .height = 2, .type = type, .rows = Bytes(64)};
     EXPECT_THAT(fault_of(png.bytes()), HasSubstr("503316800 x 2"));
   }
-  EXPECT_LT(peak_kilobytes() - before, 100000);
+  EXPECT_LT(peak_memory_kb() - before, 100000);
 }
 
 TEST(PngDecoder, RefusesAnyChangedByteAndAnyCut) {
