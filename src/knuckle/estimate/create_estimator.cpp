@@ -47,18 +47,33 @@ std::unique_ptr<Estimator> load_network_estimator(const OptionTable& table) {
   return std::make_unique<NetworkEstimator>(std::move(network), options);
 }
 
+/// Null where none is named.
+std::unique_ptr<Estimator> load_judge(const OptionTable& table, const std::string& model) {
+  if (model.empty()) return nullptr;
+  PoseNetwork network(table.resolved_path(model));
+  const NetworkOptions& options = network.options();
+  if (options.architecture != "dense" || !options.dense.tells_hand) {
+    table.fail_at("judge",
+                  fmt::format("{} does not tell whether there is a hand, expected a network that was "
+                              "trained with tells_hand = true",
+                              model));
+  }
+  return std::make_unique<NetworkEstimator>(std::move(network), NetworkEstimatorOptions{});
+}
+
 std::unique_ptr<Estimator> load_surest(const OptionTable& table) {
   SurestEstimatorOptions options;
   table.read(options);
   if (options.models.size() < 2) {
     table.fail_at("models", fmt::format("has {} files, expected two or more", options.models.size()));
   }
+  const auto load = [&](const std::string& model) {
+    return std::make_unique<NetworkEstimator>(PoseNetwork(table.resolved_path(model)),
+                                              NetworkEstimatorOptions{});
+  };
   std::vector<std::unique_ptr<Estimator>> estimators;
-  for (const std::string& model : options.models) {
-    estimators.push_back(std::make_unique<NetworkEstimator>(PoseNetwork(table.resolved_path(model)),
-                                                            NetworkEstimatorOptions{}));
-  }
-  return std::make_unique<SurestEstimator>(std::move(estimators), options);
+  for (const std::string& model : options.models) estimators.push_back(load(model));
+  return std::make_unique<SurestEstimator>(std::move(estimators), options, load_judge(table, options.judge));
 }
 
 constexpr std::array kMethods{

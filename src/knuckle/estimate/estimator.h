@@ -37,9 +37,8 @@ class Estimator {
   virtual double sure_confidence() const { return 0.0; }
   /// `patch` is made by patches(). Safe to call from many threads.
   virtual PatchPose estimate(const HandPatch& patch) const = 0;
-  /// The pose that estimate() saw in the patch, with an answer to whether it is a hand at all, where the
-  /// method knows one and did not ask for it yet: it may cost as much as another look. Safe to call from many
-  /// threads.
+  /// The pose that estimate() saw in the patch, with the method's last word on whether it is a hand at all,
+  /// where it has one: it may cost as much as another look. Safe to call from many threads.
   virtual PatchPose judged(const HandPatch& /*patch*/, PatchPose seen) const { return seen; }
   /// The pose that estimate() saw in the patch, with what other looks at the same patch say of the side,
   /// where the method has any. Safe to call from many threads.

@@ -52,11 +52,12 @@ void SurestEstimatorOptions::visit(OptionVisitor& visitor) {
   visitor.real("lead", lead, closed(0, 1));
   visitor.integer("views", views, closed(1, 4));
   visitor.real("second_look_deg", second_look_deg, closed(-90, 90));
+  visitor.text("judge", judge);
 }
 
 SurestEstimator::SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimators,
-                                 const SurestEstimatorOptions& options)
-    : estimators_(std::move(estimators)), options_(options) {
+                                 const SurestEstimatorOptions& options, std::unique_ptr<Estimator> judge)
+    : estimators_(std::move(estimators)), judge_(std::move(judge)), options_(options) {
   check_options(options_, "the surest of several estimators");
   if (estimators_.size() < 2)
     fail("the surest of several estimators: {} given, expected two or more", estimators_.size());
@@ -72,6 +73,8 @@ SurestEstimator::SurestEstimator(std::vector<std::unique_ptr<Estimator>> estimat
       fail("the surest of several estimators: the confidences of one do not tell hands from other things");
     }
   }
+  if (judge_ && !(judge_->patches().options() == patches().options()))
+    fail("the surest of several estimators: the judge was trained on patches of another kind");
 }
 
 double SurestEstimator::sure_confidence() const {
@@ -102,8 +105,8 @@ PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
 }
 
 PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const {
-  if (seen.hand) return seen;
-  const PatchPose other = estimators_.back()->estimate(patch);
+  if (seen.hand && !judge_) return seen;
+  const PatchPose other = judge().estimate(patch);
   seen.hand = other.hand;
   if (!seen.right_hand) seen.right_hand = other.right_hand;
   return seen;
@@ -112,8 +115,7 @@ PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const 
 PatchPose SurestEstimator::sided(const HandPatch& patch, PatchPose seen) const {
   double odds = 0.0;
   for (const double turn_deg : kTurnsForTheSide) {
-    const PatchPose look =
-        estimators_.back()->estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
+    const PatchPose look = judge().estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
     if (!look.right_hand) return seen;
     if (turn_deg == 0.0 && std::abs(*look.right_hand - 0.5) > kClear) {
       seen.right_hand = look.right_hand;

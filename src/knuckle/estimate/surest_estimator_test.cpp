@@ -121,6 +121,31 @@ TEST(SurestEstimator, TheLastIsAskedWhetherItIsAHandWhereNobodySaid) {
   EXPECT_EQ(estimator.judged({}, of_known_side).right_hand, 0.6);
 }
 
+TEST(SurestEstimator, TheJudgeHasTheLastWordOnTheHandAndNoneOnThePose) {
+  int asked_last = 0;
+  int asked_judge = 0;
+  const SurestEstimator estimator(three(0.4f, 0.6f, 0.5f, &asked_last), {.enough = 0.55},
+                                  std::make_unique<KnownPose>(4.0, 0.99f, 0.5, &asked_judge, "nyu14"));
+  const PatchPose seen = estimator.estimate({});
+  EXPECT_EQ(seen.joints[0].u, 2.0);
+  EXPECT_EQ(seen.hand, 0.45);
+  EXPECT_EQ(asked_judge, 0) << "however sure it would be";
+  const PatchPose judged = estimator.judged({}, seen);
+  EXPECT_EQ(judged.hand, 0.25);
+  EXPECT_EQ(judged.right_hand, 0.9) << "who was asked for the pose told it";
+  EXPECT_EQ(judged.joints[0].u, 2.0);
+  EXPECT_EQ(asked_judge, 1);
+  EXPECT_EQ(asked_last, 0);
+}
+
+TEST(SurestEstimator, TheJudgeSeesPatchesOfTheSameKind) {
+  EXPECT_THAT(error_of([] {
+                SurestEstimator(three(0.4f, 0.6f, 0.5f), {},
+                                std::make_unique<KnownPose>(4.0, 0.9f, 0.5, nullptr, "nyu14", 16));
+              }),
+              HasSubstr("the judge was trained on patches of another kind"));
+}
+
 TEST(SurestEstimator, WhatAnEarlierOneToldIsKept) {
   std::vector<std::unique_ptr<Estimator>> estimators;
   estimators.push_back(std::make_unique<KnownPose>(1.0, 0.4f, 0.8));
@@ -392,6 +417,15 @@ TEST(SurestEstimator, IsMadeFromAFile) {
   EXPECT_THAT(fault("models = [\"a.pt\", \"none.pt\"]"), HasSubstr("none.pt"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nlead = 2"), HasSubstr("lead"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nviews = 5"), HasSubstr("views"));
+  EXPECT_THAT(
+      fault("models = [\"a.pt\", \"b.pt\"]\njudge = \"a.pt\""),
+      ::testing::AllOf(HasSubstr("p.toml:3"), HasSubstr("a.pt does not tell whether there is a hand")));
+  EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\njudge = \"none.pt\""), HasSubstr("none.pt"));
+  network.dense.tells_hand = true;
+  save_network_weights(folder / "judge.pt", random_weights(network, 1));
+  const auto judging = create("models = [\"a.pt\", \"b.pt\"]\njudge = \"judge.pt\"");
+  const int size_px = network.patch.size_px;
+  EXPECT_TRUE(judging->judged({Image<float>(size_px, size_px, 0.0f), {}, {}}, {}).hand);
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nsecond_look_deg = 91"), HasSubstr("second_look_deg"));
   EXPECT_THAT(fault("models = [\"a.pt\", \"b.pt\"]\nmodel = \"a.pt\""), HasSubstr("model"));
 }

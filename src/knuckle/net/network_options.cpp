@@ -43,6 +43,7 @@ void DenseNetworkOptions::visit(OptionVisitor& visitor) {
   visitor.real("dense_weight", dense_weight, closed(0, 100));
   visitor.flag("tells_side", tells_side);
   visitor.flag("tells_hand", tells_hand);
+  visitor.real("question_weight", question_weight, closed(0, 100));
 }
 
 void PaperNetworkOptions::visit(OptionVisitor& visitor) {

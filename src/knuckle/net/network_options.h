@@ -30,6 +30,8 @@ struct DenseNetworkOptions {
   double dense_weight = 0.5;     ///< of the loss on offsets and closeness against that on joints, [0, 100]
   bool tells_side = false;  ///< one more map says whether the hand is a right one, as joints are told for
   bool tells_hand = false;  ///< one more map says whether there is a hand at all
+  /// Of the entropy of each of both answers in the loss, against the joints' distances, [0, 100].
+  double question_weight = 0.05;
 
   void visit(OptionVisitor& visitor);
 };

@@ -24,7 +24,7 @@ struct HandOptions {
   /// How much counts what the estimator says of whether it is a hand at all: its exponent in the hand's
   /// score, [0, 1]; 0: nothing.
   double hand_weight = 1.0;
-  /// Where an estimator has not said whether it is a hand, and the score is lower, it is asked
+  /// Where the score is lower, the estimator is asked for its last word on whether it is a hand
   /// (`Estimator::judged`), [0, 1]; 0: never.
   double judged_below = 0.0;
   /// The confidences of the joints that come out are calibrated (`calibrated_confidence`) with these, [-10,

@@ -326,7 +326,7 @@ std::optional<Pipeline::Sight> Pipeline::sight_of_right(const Frame& frame, Hand
     region = timed(times.patch_ms, [&] { return region_looked_at(frame, centre, region); });
   }
   double score = score_of(in_patch, region);
-  if (is_sure(score) && !in_patch.hand && score < finder_.hand().judged_below) {
+  if (is_sure(score) && score < finder_.hand().judged_below) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->judged(*patch, std::move(in_patch)); });
     score = score_of(in_patch, region);
   }

@@ -14,8 +14,6 @@ namespace {
 constexpr int kStride = kMapStride;
 constexpr double kNoVote = 1e4;  // taken from the weights of pixels that are not hand
 constexpr double kSmallestDistance = 1e-6;
-constexpr double kQuestionWeight =
-    0.05;  // of the entropy of side or hand, against the smooth distances of joints
 
 /// u (or v) of the centres of the cells of one line of the maps.
 torch::Tensor cell_centres(int64_t cells, const torch::TensorOptions& options) {
@@ -108,7 +106,7 @@ torch::Tensor DenseNetwork::loss(const torch::Tensor& output, const torch::Tenso
   for (const std::optional<int>& map : {maps_.side, maps_.hand}) {
     if (!map) continue;
     const torch::Tensor answers = targets.select(1, row++).select(1, 0);
-    sum = sum + kQuestionWeight * question_loss(logits(output, patches, *map), answers);
+    sum = sum + options_.question_weight * question_loss(logits(output, patches, *map), answers);
   }
   return sum;
 }

@@ -161,6 +161,20 @@ TEST(DenseNetwork, TheLossOfSidesAndHandsHasTheGradientOfFiniteDifferences) {
       *network, patches, targets, 0.3 * torch::randn({3, 5 * kJoints + 2, kMaps, kMaps}, torch::kDouble));
 }
 
+TEST(DenseNetwork, AnAnswersEntropyCountsByItsWeight) {
+  torch::manual_seed(13);
+  const torch::Tensor patches = torch::rand({2, 1, kSize, kSize}) - 0.5;
+  const torch::Tensor output = torch::zeros({2, 5 * kJoints + 1, kMaps, kMaps});
+  const torch::Tensor joints = torch::full({2, kJoints, 3}, kNaN);
+  for (const double weight : {0.0, 0.05, 2.0}) {
+    NetworkOptions options = network_that_tells_sides();
+    options.dense.question_weight = weight;
+    const torch::Tensor loss =
+        make_network(options, 1)->loss(output, patches, with_sides(joints, {1.0, 0.0}));
+    EXPECT_NEAR(loss.item<double>(), weight * std::log(2.0), 1e-6) << "one half says one bit";
+  }
+}
+
 TEST(DenseNetwork, OfAThingOnlyThatItIsNoHandIsLearned) {
   NetworkOptions options = network_that_tells_sides();
   options.dense.tells_hand = true;

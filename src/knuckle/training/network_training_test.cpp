@@ -189,6 +189,7 @@ TEST_F(NetworkTraining, BeginsWithTheWeightsOfAModelThatTellsLess) {
   train(short_training(), run("first"));
   NetworkOptions telling = small_network();
   telling.dense.tells_side = true;
+  telling.dense.question_weight = 1.0;
   AugmentationOptions mirrors = no_augmentation();
   mirrors.mirrored_share = 0.5;
   NetworkTrainingOptions still = short_training();

@@ -15,7 +15,8 @@ namespace knuckle {
 
 namespace {
 
-/// Whether the maps of one network are the first of the other's, and all else is the same.
+/// Whether the maps of one network are the first of the other's, and all else is the same but what answers
+/// weigh in the loss.
 bool begins(NetworkOptions known, const NetworkOptions& options) {
   const DenseNetworkOptions& wanted = options.dense;
   const bool tells_the_same_side = known.dense.tells_side == wanted.tells_side;
@@ -24,6 +25,7 @@ bool begins(NetworkOptions known, const NetworkOptions& options) {
     return false;
   known.dense.tells_side = wanted.tells_side;
   known.dense.tells_hand = wanted.tells_hand;
+  known.dense.question_weight = wanted.question_weight;
   return network_options_as_toml(known) == network_options_as_toml(options);
 }
 
