@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOptimisers = {"adamw", "sgd"};
 constexpr std::array<std::string_view, 2> kPrecisions = {"single", "bfloat16"};
+constexpr std::array<std::string_view, 2> kKept = {"best", "last"};
 
 PatchQuestions questions_of(const NetworkOptions& network) {
   return {.side = network.dense.tells_side, .hand = network.dense.tells_hand};
@@ -52,6 +53,7 @@ void NetworkTrainingOptions::visit(OptionVisitor& visitor) {
   learning_rate.visit(visitor);
   visitor.integer("validate_every", validate_every, closed(1, 1e9));
   visitor.integer("patience", patience, closed(0, 1e6));
+  visitor.choice("keep", keep, kKept);
   visitor.seed("seed", seed);
 }
 

@@ -36,7 +36,10 @@ struct NetworkTrainingOptions {
   LearningRateOptions learning_rate;
   int validate_every = 1000;  ///< Steps from one validation and checkpoint to the next, [1, 1e9]
   int patience = 0;           ///< Validations without a better one before it stops; 0: never, [0, 1e6]
-  std::uint64_t seed = 1;     ///< of weights, orders and views
+  /// best | last: which of the validated networks becomes the model. The last where what counts is not what
+  /// the validation measures.
+  std::string keep = "best";
+  std::uint64_t seed = 1;  ///< of weights, orders and views
 
   void visit(OptionVisitor& visitor);
 };
@@ -69,7 +72,7 @@ std::string metrics_csv(const std::vector<TrainingMetrics>& metrics, std::span<c
 
 /// Where and how one training runs.
 struct NetworkTrainingRun {
-  std::filesystem::path model;       ///< the best so far; also written at each better validation
+  std::filesystem::path model;       ///< the one to keep so far; written at validations
   std::filesystem::path checkpoint;  ///< all that is needed to go on; written at each validation
   enum class Begin { anew, from_checkpoint } begin = Begin::anew;
   /// A model of the same architecture, convention and patch, whose weights a training anew begins with;
@@ -97,7 +100,8 @@ class TrainingTask;
 std::vector<TrainingMetrics> train(const TrainingTask& task, const NetworkTrainingOptions& options,
                                    const NetworkTrainingRun& run);
 
-/// Trains a network on the sets of `training`, each in its share, and keeps what is best on `validation`.
+/// Trains a network on the sets of `training`, each in its share, and keeps what is best on `validation`, or
+/// the last.
 /// Joints that are not known (NaN) count in neither.
 ///
 /// A batch is cut into shards, each worked on by one thread; their gradients are summed in order, so the

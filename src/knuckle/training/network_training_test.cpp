@@ -404,6 +404,31 @@ TEST_F(NetworkTraining, StopsWhereValidationGetsNoBetter) {
   EXPECT_EQ(train(options, run("net", Begin::from_checkpoint)).size(), metrics.size()) << "it stays ended";
 }
 
+TEST_F(NetworkTraining, KeepsTheBestOrTheLastAsAsked) {
+  NetworkTrainingOptions options = short_training();
+  options.epochs = 1000;
+  options.validate_every = 1;
+  options.patience = 2;
+  options.learning_rate = {.learning_rate = 5.0, .schedule = "constant", .warm_up = 0.0};
+  for (const std::string keep : {"best", "last"}) {
+    options.keep = keep;
+    const auto metrics = train(options, run(keep));
+    const auto best = std::ranges::min_element(
+        metrics, {}, [](const TrainingMetrics& m) { return m.validation[kSecondLook]; });
+    const TrainingMetrics& kept = keep == "last" ? metrics.back() : *best;
+    ASSERT_GT(metrics.back().validation[kSecondLook], 1.1 * best->validation[kSecondLook]);
+    NetworkTrainingRun next = run("next");
+    next.initial = folder_ / (keep + ".pt");
+    next.stop_after_steps = 1;
+    std::vector<double> begun;
+    next.report_initial = [&](const std::vector<double>& validation) { begun = validation; };
+    train(short_training(), next);
+    ASSERT_EQ(begun.size(), kept.validation.size());
+    const double expected = kept.validation[kSecondLook];
+    EXPECT_NEAR(begun[kSecondLook], expected, 0.01 * expected) << "but for half precision";
+  }
+}
+
 TEST_F(NetworkTraining, EndsInTheTimeItIsGiven) {
   NetworkTrainingOptions options = short_training();
   options.epochs = 1e6;

@@ -199,7 +199,7 @@ void Trainer::validate(const BatchLoader& loader) {
   TrainingMetrics metrics;
   if (is_first_worker()) metrics = measured(loader);
   if (run_.workers != nullptr) metrics = shared(metrics);
-  if (is_first_worker() && is_best(metrics)) task_.save(run_.model, *averaged_);
+  if (is_first_worker() && is_kept(metrics)) task_.save(run_.model, *averaged_);
   metrics_.push_back(metrics);
   if (is_first_worker()) {
     save_checkpoint();
@@ -239,11 +239,11 @@ TrainingMetrics Trainer::shared(const TrainingMetrics& metrics) const {
   return metrics_of(torch::from_blob(said.data(), {1, count}, torch::kDouble)).front();
 }
 
-bool Trainer::is_best(const TrainingMetrics& metrics) const {
+bool Trainer::is_kept(const TrainingMetrics& metrics) const {
   if (!std::isfinite(metrics.validation.back())) return false;
-  return std::ranges::all_of(metrics_, [&](const TrainingMetrics& before) {
-    return !(before.validation.back() <= metrics.validation.back());
-  });
+  return options_.keep == "last" || std::ranges::all_of(metrics_, [&](const TrainingMetrics& before) {
+           return !(before.validation.back() <= metrics.validation.back());
+         });
 }
 
 double Trainer::seconds_left() const {

@@ -44,12 +44,12 @@ class Trainer {
   /// Throws an Error where another worker has other samples or weights, or begins elsewhere.
   void agree() const;
 
-  /// Worker 0 measures the averaged network, keeps it where it is the best so far, and writes a checkpoint.
+  /// Worker 0 measures the averaged network, keeps it where it is to be kept, and writes a checkpoint.
   void validate(const BatchLoader& loader);
   TrainingMetrics measured(const BatchLoader& loader);
   /// Worker 0's, for all.
   TrainingMetrics shared(const TrainingMetrics& metrics) const;
-  bool is_best(const TrainingMetrics& metrics) const;
+  bool is_kept(const TrainingMetrics& metrics) const;
   /// How long it will take from here, if it goes on as in this run [s].
   double seconds_left() const;
 
