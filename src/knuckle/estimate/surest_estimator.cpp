@@ -106,7 +106,7 @@ PatchPose SurestEstimator::estimate(const HandPatch& patch) const {
 
 PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const {
   if (seen.hand && !judge_) return seen;
-  const PatchPose other = judge().estimate(patch);
+  const PatchPose other = (judge_ ? judge_ : estimators_.back())->estimate(patch);
   seen.hand = other.hand;
   if (!seen.right_hand) seen.right_hand = other.right_hand;
   return seen;
@@ -115,7 +115,8 @@ PatchPose SurestEstimator::judged(const HandPatch& patch, PatchPose seen) const 
 PatchPose SurestEstimator::sided(const HandPatch& patch, PatchPose seen) const {
   double odds = 0.0;
   for (const double turn_deg : kTurnsForTheSide) {
-    const PatchPose look = judge().estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
+    const PatchPose look =
+        estimators_.back()->estimate(turned_by(patch, 90.0 * seen.quarter_turns + turn_deg));
     if (!look.right_hand) return seen;
     if (turn_deg == 0.0 && std::abs(*look.right_hand - 0.5) > kClear) {
       seen.right_hand = look.right_hand;

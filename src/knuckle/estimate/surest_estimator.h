@@ -23,8 +23,8 @@ struct SurestEstimatorOptions {
   /// A pose that is kept is the mean of two looks, of which one is turned in the image plane by so much, in
   /// degrees, [-90, 90]; 0: a single look counts.
   double second_look_deg = 0.0;
-  /// The file of a network that tells sides and hands, and is asked for nothing else; empty: the last of
-  /// `models` is asked.
+  /// The file of a network that tells hands from other things, and is asked for nothing else; empty: the last
+  /// of `models` is asked.
   std::string judge = {};
 
   void visit(OptionVisitor& visitor);
@@ -36,8 +36,7 @@ struct SurestEstimatorOptions {
 /// the last may be shown the patch turned in its plane (`views`): what it has learned of hands that point up
 /// helps with those that point down; what is surely no hand is not turned. The errors of a network depend on
 /// how the hand lies in the patch, so the mean of two looks is nearer to the truth than either
-/// (`second_look_deg`). Whether it is a hand, and of which side, may be left to one that learned that above
-/// all (`judge`).
+/// (`second_look_deg`). Whether it is a hand may be left to one that learned that above all (`judge`).
 class SurestEstimator final : public Estimator {
  public:
   /// Throws an Error where there are fewer than two estimators, they differ in patches or convention, or one
@@ -55,9 +54,9 @@ class SurestEstimator final : public Estimator {
   /// Asks the judge, whose word counts; without one the last, unless somebody said already whether it is a
   /// hand. The pose stays.
   PatchPose judged(const HandPatch& patch, PatchPose seen) const override;
-  /// The side is what the judge, or else the last one, says of three looks at the patch, straight and turned
-  /// by 30 degrees to both sides: the mean of the logarithms of their odds. The straight look alone where
-  /// that is sure (0.995). Where it cannot tell, the side stays as it is.
+  /// The side is what the last one says of three looks at the patch, straight and turned by 30 degrees to
+  /// both sides: the mean of the logarithms of their odds. The straight look alone where that is sure
+  /// (0.995). Where it cannot tell, the side stays as it is.
   PatchPose sided(const HandPatch& patch, PatchPose seen) const override;
   /// The mean of the pose and of that which the same network sees in the patch turned by `second_look_deg`,
   /// each joint weighted by its confidence; confidences are plain means.
@@ -70,7 +69,6 @@ class SurestEstimator final : public Estimator {
   };
 
   void consider(PatchPose other, Choice& choice) const;
-  const Estimator& judge() const { return judge_ ? *judge_ : *estimators_.back(); }
 
   std::vector<std::unique_ptr<Estimator>> estimators_;
   std::unique_ptr<Estimator> judge_;  ///< null: the last of them judges too
