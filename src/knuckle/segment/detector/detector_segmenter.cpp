@@ -2,10 +2,13 @@
 #include "knuckle/segment/detector/detector_segmenter.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "knuckle/segment/detector/surface_behind.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/point_cloud.h"
 
@@ -28,12 +31,26 @@ DetectedHand hand_at_start(const Point3& start, std::vector<DetectedHand>& hands
   return hand;
 }
 
+using Pixels = std::vector<std::int32_t>;
+
+/// Pixels of the points that lie before a surface.
+Pixels pixels_before(const SurfaceBehind& surface, const PointCloud& cloud) {
+  const float thickness_mm = surface.thickness_mm();
+  Pixels pixels;
+  for (int i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f point(cloud.x[i], cloud.y[i], cloud.z[i]);
+    if (surface.height_mm(point) > thickness_mm) pixels.push_back(cloud.pixels[i]);
+  }
+  return pixels;
+}
+
 }  // namespace
 
 void DetectorSegmenterOptions::visit(OptionVisitor& visitor) {
   detection.visit(visitor);
   visitor.real("margin_mm", margin_mm, closed(0, 500));
   visitor.real("min_area_mm2", min_area_mm2, closed(0, 1e6));
+  visitor.flag("cut_surface", cut_surface);
 }
 
 DetectorSegmenter::DetectorSegmenter(const DetectorWeights& weights, const DetectorSegmenterOptions& options)
@@ -67,17 +84,23 @@ Segmentation DetectorSegmenter::segment(const Frame& frame, const std::optional<
 void DetectorSegmenter::add_region(const Frame& frame, const DetectedHand& hand, bool is_given,
                                    Segmentation& result) const {
   const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
-  const PointCloud cloud =
-      points_around(frame.depth_mm, *rays, hand.centre, hand.extent_mm + options_.margin_mm);
-  const double area = area_mm2(cloud.pixels, frame.camera, frame.depth_mm);
-  if (cloud.pixels.empty() || area < options_.min_area_mm2) {
-    result.reason = cloud.pixels.empty()
+  const double radius_mm = hand.extent_mm + options_.margin_mm;
+  const PointCloud ball = points_around(frame.depth_mm, *rays, hand.centre, radius_mm);
+  const auto area = [&](const Pixels& pixels) { return area_mm2(pixels, frame.camera, frame.depth_mm); };
+  if (ball.pixels.empty() || area(ball.pixels) < options_.min_area_mm2) {
+    result.reason = ball.pixels.empty()
                         ? "no measurement near the start"
-                        : fmt::format("the surface found covers {:.0f} mm^2, a hand at least {:.0f}", area,
-                                      options_.min_area_mm2);
+                        : fmt::format("the surface found covers {:.0f} mm^2, a hand at least {:.0f}",
+                                      area(ball.pixels), options_.min_area_mm2);
     return;
   }
-  HandRegion region = region_of_pixels(cloud.pixels, frame.depth_mm.width());
+  Pixels pixels = ball.pixels;
+  if (options_.cut_surface) {
+    const auto surface = surface_behind(frame.depth_mm, *rays, hand.centre, radius_mm);
+    if (surface) pixels = pixels_before(*surface, ball);
+    if (area(pixels) < options_.min_area_mm2) pixels = ball.pixels;
+  }
+  HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
   region.centre = hand.centre;
   region.score = hand.score;
   if (hand.score > kScoreOfGivenStart) region.side = hand.side;

@@ -12,12 +12,14 @@ struct DetectorSegmenterOptions {
   DetectionOptions detection;
   double margin_mm = 25.0;       ///< What is that far beyond the extent still is hand, [0, 500] [mm]
   double min_area_mm2 = 1500.0;  ///< Smaller regions are no hands, [0, 1e6] [mm^2]
+  bool cut_surface = true;       ///< A table or a wall behind a hand does not belong to its region
 
   void visit(OptionVisitor& visitor);
 };
 
 /// A hand is what is measured in the ball around a detected centre, of the hand's extent and a margin. No
-/// assumption of what is nearest. Centre, side and score are the detector's.
+/// assumption of what is nearest. Centre, side and score are the detector's. The surface that the hand is
+/// seen before (surface_behind.h) is left out, unless what remains is smaller than a hand.
 ///
 /// A given start is trusted: the region is that around the surest hand whose centre is at most 80 mm from it,
 /// else around the start itself, with the extent of a hand that is half open and a score of 0.01.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "knuckle/segment/detector/detector_segmenter.h"
 
+#include <algorithm>
+
 #include "knuckle/core/testing.h"
 #include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/hand_region.h"
@@ -15,6 +17,7 @@ using testing::constant_detector;
 using testing::draw_ball;
 using testing::error_of;
 using ::testing::HasSubstr;
+using testing::put_depth;
 using testing::quarter_vga_camera;
 using testing::small_detector;
 
@@ -59,6 +62,39 @@ TEST_F(DetectorSegmenterTest, AHandIsWhatLiesInTheBallAroundItsCentre) {
     }
   }
   EXPECT_GT(near_the_edge, 50);
+}
+
+/// A table: the plane z = depth.
+void draw_table(Frame& frame, double depth_mm) {
+  for (int row = 0; row < frame.depth_mm.height(); ++row) {
+    for (int column = 0; column < frame.depth_mm.width(); ++column) put_depth(frame, column, row, depth_mm);
+  }
+}
+
+int pixels_of(const HandRegion& hand) {
+  return static_cast<int>(std::ranges::count(hand.mask.pixels(), 1));
+}
+
+TEST_F(DetectorSegmenterTest, TheTableBehindAHandIsNotHand) {
+  const int alone = pixels_of(segmenter().segment(frame_, std::nullopt, 1).hands.at(0));
+  draw_table(frame_, kSeen.centre.z() + 40);  // it cuts the ball of the hand
+  const HandRegion cut = segmenter().segment(frame_, std::nullopt, 1).hands.at(0);
+  // 6 mm are taken for the table: of a ball of 50 mm, 40 mm before it, a rim of little more than a
+  // millimetre.
+  EXPECT_NEAR(pixels_of(cut), alone, 0.06 * alone);
+  DetectorSegmenterOptions options;
+  options.cut_surface = false;
+  const HandRegion whole = segmenter(options).segment(frame_, std::nullopt, 1).hands.at(0);
+  EXPECT_GT(pixels_of(whole), 1.5 * alone);
+  EXPECT_EQ(cut.centre, whole.centre);
+  EXPECT_EQ(cut.score, whole.score);
+}
+
+TEST_F(DetectorSegmenterTest, WhereNoHandWouldRemainNothingIsCut) {
+  Frame table = blank_frame(quarter_vga_camera());
+  draw_table(table, kSeen.centre.z());
+  const HandRegion found = segmenter().segment(table, std::nullopt, 1).hands.at(0);
+  EXPECT_GT(pixels_of(found), 3000);
 }
 
 TEST_F(DetectorSegmenterTest, ARegionInAMirrorHasTheOtherSide) {
