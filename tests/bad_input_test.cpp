@@ -2,6 +2,7 @@
 // Bad input ends with status 1 and one line that names file and fault; nothing half-written stays.
 #include "program.h"
 
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -31,9 +32,12 @@ class BadInputTest : public ::testing::Test {
   std::string make_set(const Image<std::uint16_t>& depth, const std::string& extra_toml = "",
                        const std::string& joints = "") {
     make_folder(path("set/depth"));
-    write_text_file(path("set/dataset.toml"), extra_toml +
-                                                  "\n[camera]\nmodel = 'projective'\nwidth = 64\nheight = "
-                                                  "48\nfx = 60\nfy = 60\ncx = 32\ncy = 24\n");
+    const int width = depth.width();
+    const int height = depth.height();
+    write_text_file(path("set/dataset.toml"),
+                    fmt::format("{}\n[camera]\nmodel = 'projective'\nwidth = {}\nheight = {}\nfx = {}\nfy = "
+                                "{}\ncx = {}\ncy = {}\n",
+                                extra_toml, width, height, 0.9 * width, 0.9 * width, width / 2, height / 2));
     write_png(path("set/depth/000000.png"), depth);
     if (!joints.empty()) write_text_file(path("set/joints.txt"), joints);
     return "folder:" + path("set");
@@ -301,6 +305,14 @@ TEST_F(BadInputTest, AFullDiskLeavesNothingUnderTheFinalName) {
 TEST_F(BadInputTest, AFrameOfZerosHasNoHand) {
   ASSERT_THAT(estimate(make_set(blank_)), Succeeded());
   EXPECT_THAT(read_lines(path("poses.txt"))[1], HasSubstr("nan nan nan"));
+}
+
+TEST_F(BadInputTest, AFrameThatIsCoveredOrOfOnePixelOrOf48MillionHasNoHand) {
+  const std::pair<int, int> sizes[] = {{64, 48}, {1, 1}, {8000, 6000}};
+  for (const auto& [width, height] : sizes) {
+    ASSERT_THAT(estimate(make_set(Image<std::uint16_t>(width, height, 500))), Succeeded());
+    EXPECT_THAT(read_lines(path("poses.txt"))[1], HasSubstr("nan nan nan")) << width << " x " << height;
+  }
 }
 
 TEST_F(BadInputTest, AFrameOfNoiseOrAHandAtTheBorderIsAStatus) {
