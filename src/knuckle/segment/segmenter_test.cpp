@@ -307,6 +307,8 @@ TEST(SegmenterFactory, EveryMethodReadsTheKeysThatAreDocumented) {
                                                          "far_mm", "pixels", "min_area_mm2"));
   EXPECT_THAT(keys_of("forest"), UnorderedElementsAre("model", "probability", "median_px", "closing_px",
                                                       "opening_px", "edge_step_mm", "min_area_mm2"));
+  EXPECT_THAT(keys_of("detector"), UnorderedElementsAre("model", "min_score", "separation_mm", "margin_mm",
+                                                        "min_area_mm2", "cut_surface"));
 }
 
 TEST(SegmenterFactory, NamesTheFaultAndTheKnown) {
