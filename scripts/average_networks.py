@@ -8,6 +8,7 @@ as what a training forgets and what it learns differ (Wortsman et al., "Robust f
 SHARE is the weight of the second, from 0 to 1. Needs numpy.
 """
 import sys
+import tomllib
 
 import numpy as np
 
@@ -28,6 +29,18 @@ def mean_of(first, second, share):
     }
 
 
+def options_of(values):
+    """What a model's options say, key by key."""
+    tables = tomllib.loads(values["options"])
+    return {f"{name}.{key}": value for name, table in tables.items() for key, value in table.items()}
+
+
+def are_alike(first, second):
+    """Whether two models have the same options; one may say more than the other, which an older program wrote."""
+    one, other = options_of(first), options_of(second)
+    return all(one[key] == other[key] for key in one.keys() & other.keys())
+
+
 def main(arguments):
     if len(arguments) != 4:
         return __doc__
@@ -38,9 +51,9 @@ def main(arguments):
             return f"the share is {share_text}, expected 0 to 1"
         values, first = model_file.read(first_path, *FORMAT)
         other_values, second = model_file.read(second_path, *FORMAT)
-        if values != other_values:
+        if not are_alike(values, other_values):
             return f"{second_path}: a network with other options than {first_path}; only one trained on from it has a mean"
-        model_file.write(out, *FORMAT, values, mean_of(first, second, share), compact=False)
+        model_file.write(out, *FORMAT, other_values, mean_of(first, second, share), compact=False)
     except (OSError, ValueError, KeyError) as error:
         return f"average_networks: {error}"
     return 0
