@@ -43,14 +43,20 @@ void HandOptions::visit(OptionVisitor& visitor) {
   visitor.real("confidence_slope", confidence_slope, closed(0.01, 10));
 }
 
-HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand)
-    : hand_(hand), segmenter_(std::move(segmenter)) {
+HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand,
+                       std::unique_ptr<const SideNetwork> sides)
+    : hand_(hand), segmenter_(std::move(segmenter)), sides_(std::move(sides)) {
   check_options(hand_, "hand");
   if (!segmenter_) fail("a pipeline was to be made without a segmenter");
 }
 
 HandFinder::HandFinder(const OptionTable& document, const HandOptions& defaults) : hand_(defaults) {
-  document.table("hand").read(hand_);
+  const OptionTable table = document.table("hand");
+  table.read(hand_);
+  if (table.has("side_model")) {
+    const std::filesystem::path model = table.resolved_path(table.required_text("side_model"));
+    sides_ = std::make_unique<const SideNetwork>(load_detector_weights(model));
+  }
   segmenter_ = create_segmenter(document.table("segmentation"));
 }
 
@@ -76,7 +82,19 @@ Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Poin
 
 Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start,
                                     int max_hands) const {
-  return segmenter_->segment(frame, start, max_hands);
+  Segmentation segmentation = segmenter_->segment(frame, start, max_hands);
+  if (hand_.is_auto() && sides_) tell_sides(frame, segmentation.hands);
+  return segmentation;
+}
+
+void HandFinder::tell_sides(const Frame& frame, std::vector<HandRegion>& hands) const {
+  std::vector<Point3> centres;
+  for (const HandRegion& hand : hands) centres.push_back(hand.centre);
+  const std::vector<double> right = sides_->right_hands(frame, centres);
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    hands[i].right_hand = right[i];
+    hands[i].side = right[i] >= 0.5 ? HandSide::right : HandSide::left;
+  }
 }
 
 Frame as_right_hand(Frame frame, const HandOptions& options) {

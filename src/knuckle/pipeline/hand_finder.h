@@ -7,6 +7,7 @@
 
 #include "knuckle/core/frame.h"
 #include "knuckle/core/options.h"
+#include "knuckle/segment/detector/side_network.h"
 #include "knuckle/segment/segmenter.h"
 
 namespace knuckle {
@@ -40,8 +41,10 @@ struct HandOptions {
 /// Finds the hands of a frame: the first stage of a pipeline, `[hand]` and `[segmentation]` of its file.
 class HandFinder {
  public:
-  /// A segmenter of your own. Throws an Error where it is missing (null) or an option is out of range.
-  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {});
+  /// A segmenter of your own, and who tells the sides of hands where `side` is auto. Throws an Error where
+  /// the segmenter is missing (null) or an option is out of range.
+  explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {},
+                      std::unique_ptr<const SideNetwork> sides = nullptr);
   /// Reads the two tables of a pipeline's document; options of `[hand]` that it does not have are those of
   /// `defaults`. The caller finishes the document.
   explicit HandFinder(const OptionTable& document, const HandOptions& defaults = {});
@@ -62,9 +65,12 @@ class HandFinder {
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start, int max_hands) const;
 
  private:
+  void tell_sides(const Frame& frame, std::vector<HandRegion>& hands) const;
+
   HandOptions hand_;
   std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;
+  std::unique_ptr<const SideNetwork> sides_;  ///< null: nobody is asked
 };
 
 /// The frame as it shows a right hand: in a mirror where it shows a left one. Where the source does not say

@@ -5,6 +5,7 @@
 
 #include "knuckle/core/testing.h"
 #include "knuckle/pipeline/start.h"
+#include "knuckle/segment/detector/detector_testing.h"
 #include "knuckle/segment/hand_region.h"
 
 namespace knuckle {
@@ -55,6 +56,43 @@ TEST(HandFinder, OfAPipelineFileOnlyItsOwnTablesCount) {
   std::ofstream(folder / "odd.toml") << "[segmentatio]\nmethod = \"mean_shift\"\n" << others;
   EXPECT_THAT(testing::error_of([&] { HandFinder::load(folder / "odd.toml"); }),
               ::testing::HasSubstr("segmentatio"));
+}
+
+/// Who sees left hands alone, with a likelihood of 0.8.
+std::unique_ptr<const SideNetwork> left_hands() {
+  const DetectedHand hand{.centre = Point3(0, 0, 500),
+                          .extent_mm = 80,
+                          .score = 0.5,
+                          .side = HandSide::left,
+                          .side_confidence = 0.8};
+  return std::make_unique<const SideNetwork>(
+      testing::constant_detector(testing::small_detector(), three_pixels().camera, hand));
+}
+
+TEST(HandFinder, WhoTellsSidesIsAskedWhereTheyAreOpen) {
+  for (const std::string side : {"auto", "right", "left"}) {
+    KeepingSegmenter::Seen seen;
+    const HandFinder finder(std::make_unique<KeepingSegmenter>(seen), {.side = side}, left_hands());
+    const Segmentation found = finder.find(three_pixels(), std::nullopt);
+    ASSERT_EQ(found.hands.size(), 1u);
+    EXPECT_EQ(found.hands[0].right_hand.has_value(), side == "auto") << side;
+    if (side != "auto") continue;
+    EXPECT_NEAR(*found.hands[0].right_hand, 0.2, 0.001);
+    EXPECT_EQ(found.hands[0].side, HandSide::left);
+    const HandRegion mirror = mirrored(found.hands[0], 20);
+    EXPECT_NEAR(mirror.right_hand.value(), 0.8, 0.001);
+  }
+}
+
+TEST(HandFinder, TheModelOfSidesIsNamedInTheFile) {
+  const testing::TemporaryFolder folder;
+  const std::string rest = "[segmentation]\nmethod = \"mean_shift\"\n";
+  save_detector_weights(folder / "sides.pt", random_detector(testing::small_detector(), 3));
+  std::ofstream(folder / "good.toml") << "[hand]\nside = \"auto\"\nside_model = \"sides.pt\"\n" << rest;
+  EXPECT_NO_THROW(HandFinder::load(folder / "good.toml"));
+  std::ofstream(folder / "bad.toml") << "[hand]\nside_model = \"none.pt\"\n" << rest;
+  EXPECT_THAT(testing::error_of([&] { HandFinder::load(folder / "bad.toml"); }),
+              ::testing::HasSubstr("none.pt"));
 }
 
 TEST(HandFinder, ALeftHandIsSoughtInTheMirrorAndFoundInTheFrame) {

@@ -128,7 +128,8 @@ Search in_mirror(Search search) {
 }
 
 constexpr double kSureOfSide = 0.9;
-constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
+constexpr double kOddsOfScore = 5.0;      ///< of the side whose pose is surer by 1
+constexpr double kOddsOfSideModel = 1.0;  ///< how much its log odds count
 
 HandSide opposite(HandSide side) {
   return side == HandSide::right ? HandSide::left : HandSide::right;
@@ -250,6 +251,7 @@ void Pipeline::look_at_start(const Frame& frame, const Search& search, HandEstim
   if (is_sure(hand.score) || !patches.is_cube()) return;
   HandRegion region = region_in_cube(frame, *search.start, patches.cube_mm);
   region.side = hand.region.side;
+  region.right_hand = hand.region.right_hand;
   auto other = hand_in(frame, std::move(region), {.side = search.side}, times);
   if (other && other->score > hand.score) hand = *std::move(other);
 }
@@ -289,15 +291,22 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
   if (is_open) of_other_side = region;
   auto sight = sight_of(frame, std::move(region), guess, first, times);
   if (!sight) return std::nullopt;
-  if (of_other_side && sight->pose.right_hand.value_or(0.0) < kSureOfSide) {
+  if (of_other_side && sight->likelihood_of_side().value_or(0.0) < kSureOfSide) {
     auto other = sight_of(frame, *std::move(of_other_side), opposite(guess), first, times);
     if (other && other->odds_of_side() > sight->odds_of_side()) sight = std::move(other);
   }
   return completed(frame, *std::move(sight), look, times);
 }
 
+std::optional<double> Pipeline::Sight::likelihood_of_side() const {
+  if (!region.right_hand) return pose.right_hand;
+  const double seen = pose.right_hand ? log_odds(*pose.right_hand) : 0.0;
+  return logistic(seen + kOddsOfSideModel * log_odds(*region.right_hand));
+}
+
 double Pipeline::Sight::odds_of_side() const {
-  return (pose.right_hand ? log_odds(*pose.right_hand) : 0.0) + kOddsOfScore * score;
+  const std::optional<double> likelihood = likelihood_of_side();
+  return (likelihood ? log_odds(*likelihood) : 0.0) + kOddsOfScore * score;
 }
 
 std::optional<Pipeline::Sight> Pipeline::sight_of(const Frame& frame, HandRegion region, HandSide side,
@@ -349,7 +358,7 @@ HandEstimate Pipeline::completed_right(const Frame& frame, Sight& sight, const L
   }
   HandPose pose = pose_in_image(sight.pose, estimator_->convention(), sight.patch.geometry);
   HandEstimate hand;
-  hand.side_confidence = sight.pose.right_hand;
+  hand.side_confidence = sight.likelihood_of_side();
   hand.score = sight.score;
   if (is_sure(sight.score) || !look.may_give_up) {
     hand.score *= std::sqrt(timed(times.refine_ms, [&] { return refine(frame, sight.region, pose, hand); }));
@@ -387,6 +396,7 @@ HandRegion Pipeline::region_looked_at(const Frame& frame, const ImagePoint& cent
   HandRegion region = region_in_cube(frame, place, estimator_->patches().options().cube_mm);
   region.score = before.score;
   region.side = before.side;
+  region.right_hand = before.right_hand;
   region.likelihood = before.likelihood;
   return region;
 }

@@ -37,7 +37,8 @@ struct HandEstimate {
   /// there.
   double score = 1.0;
   HandSide side = HandSide::right;  ///< as which it was looked at (`HandOptions::side`)
-  /// How likely the hand is of that side, as the estimator sees it, [0, 1]; nothing: it cannot tell.
+  /// How likely the hand is of that side, as the estimator and the `side_model` see it, [0, 1]; nothing: they
+  /// cannot tell.
   std::optional<double> side_confidence = {};
   int id = 0;  ///< of a hand that is followed from frame to frame, from 1 on; 0: it is not
   std::optional<HandAngles> angles = {};  ///< of the skeleton that was fitted to it
@@ -139,7 +140,10 @@ class Pipeline {
     double score = 0.0;
     std::unique_ptr<const Frame> mirror = {};  ///< the mirrored frame, in which a left hand is looked at
 
-    /// How much speaks for that side, in log odds.
+    /// How likely the hand is of that side, as the estimator and the `side_model` see it; nothing: neither
+    /// can tell.
+    std::optional<double> likelihood_of_side() const;
+    /// How much speaks for that side, in log odds: a surer pose, too.
     double odds_of_side() const;
   };
   void add_hands(const Frame& frame, std::vector<HandRegion> regions, const Look& look,

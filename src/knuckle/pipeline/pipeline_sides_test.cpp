@@ -20,15 +20,20 @@ using testing::plate;
 /// Calls all that is measured a hand of one side.
 class SidedSegmenter final : public Segmenter {
  public:
-  explicit SidedSegmenter(std::optional<HandSide> side) : side_(side) {}
+  explicit SidedSegmenter(std::optional<HandSide> side, std::optional<double> right_hand = {})
+      : side_(side), right_hand_(right_hand) {}
   Segmentation segment(const Frame& frame, const std::optional<Point3>& start, int max_hands) const override {
     Segmentation found = AllSegmenter().segment(frame, start, max_hands);
-    for (HandRegion& region : found.hands) region.side = side_;
+    for (HandRegion& region : found.hands) {
+      region.side = side_;
+      region.right_hand = right_hand_;
+    }
     return found;
   }
 
  private:
   std::optional<HandSide> side_;
+  std::optional<double> right_hand_;
 };
 
 TEST(PipelineFromParts, LooksAtEachHandAsTheSideThatSegmentationTells) {
@@ -87,6 +92,23 @@ TEST(PipelineFromParts, WhereNobodyIsSureOfTheSideTheSurerPoseCounts) {
   EXPECT_EQ(side(0.52, 0.3f), HandSide::left)
       << "a little likelier a right one, and much surer as a left one";
   EXPECT_EQ(side(0.6, 0.01f), HandSide::right);
+}
+
+TEST(PipelineFromParts, WhoSeesTheArmAndWhoSeesTheHandTellTheSideTogether) {
+  const auto seen = [](double by_the_arm, std::optional<double> by_the_hand) {
+    const HandSide guess = by_the_arm >= 0.5 ? HandSide::right : HandSide::left;
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(guess, by_the_arm), {.side = "auto"}),
+                        std::make_unique<SideEstimator>(by_the_hand)};
+    return Pipeline(std::move(parts)).estimate(plate()).hands.at(0);
+  };
+  // Odds are multiplied: 4 (0.8) and 1 / 9 (0.1) are 4 / 9 for a right hand, 9 / 13 for a left one.
+  EXPECT_EQ(seen(0.8, 0.1).side, HandSide::left);
+  EXPECT_NEAR(seen(0.8, 0.1).side_confidence.value(), 9.0 / 13.0, 1e-9);
+  EXPECT_EQ(seen(0.95, 0.1).side, HandSide::right) << "19 / 9";
+  EXPECT_NEAR(seen(0.95, 0.1).side_confidence.value(), 19.0 / 28.0, 1e-9);
+  EXPECT_EQ(seen(0.1, 0.8).side, HandSide::left);
+  EXPECT_EQ(seen(0.3, std::nullopt).side, HandSide::left) << "the hand alone tells nothing";
+  EXPECT_NEAR(seen(0.3, std::nullopt).side_confidence.value(), 0.7, 1e-9);
 }
 
 /// Knows the side only when other looks are asked for: a left one, with this likelihood.

@@ -44,6 +44,7 @@ HandRegion mirrored(HandRegion region, int width) {
   region.mask = mirrored(region.mask);
   region.centre.x() = -region.centre.x();
   if (region.side) region.side = *region.side == HandSide::left ? HandSide::right : HandSide::left;
+  if (region.right_hand) region.right_hand = 1.0 - *region.right_hand;
   return region;
 }
 

@@ -23,6 +23,8 @@ struct HandRegion {
       std::nullopt;  ///< how likely it is a hand, (0, 1]; where the method tells, and no start was given
   std::optional<HandSide> side =
       std::nullopt;  ///< which hand it is, in the frame given; where the method tells
+  std::optional<double> right_hand =
+      std::nullopt;  ///< how likely it is a right one, (0, 1); where a `SideNetwork` was asked
 };
 
 /// The hands of a frame, best first. None found is an answer, not an error.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "knuckle/net/layers/encoder_decoder.h"
@@ -10,6 +11,12 @@
 #include "knuckle/segment/detector/detector_file.h"
 
 namespace knuckle {
+
+/// What a detector's network says of a frame, and where in the frame that is.
+struct SeenFrame {
+  DetectorMaps maps;
+  std::shared_ptr<const DetectorView> view;
+};
 
 /// A network that sees a whole depth frame, small, and says where hands are (docs/detector.md).
 class HandDetector {
@@ -21,6 +28,10 @@ class HandDetector {
   /// What the network says of a small picture of its size. Throws an Error where (with weights no training
   /// ends in) a number would not be finite. Safe to call from many threads.
   DetectorMaps maps_of(const DetectorInput& input) const;
+
+  /// What the network says of a frame, whose depth image has the camera's size and a pixel at least. Safe to call
+  /// from many threads; what it computes for a camera it keeps.
+  SeenFrame see(const Frame& frame) const;
 
   /// The hands of a frame, the surest first. The depth image has the camera's size and a pixel at least. Safe
   /// to call from many threads; what it computes for a camera it keeps.

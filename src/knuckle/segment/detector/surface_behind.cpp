@@ -12,6 +12,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "knuckle/core/frame.h"
 #include "knuckle/core/random.h"
 
 namespace knuckle {

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "knuckle/segment/detector/side_network.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "knuckle/core/likelihood.h"
+#include "knuckle/segment/detector/detector_testing.h"
+#include "knuckle/segment/testing.h"
+
+namespace knuckle {
+namespace {
+
+using testing::blank_frame;
+using testing::constant_detector;
+using testing::quarter_vga_camera;
+using testing::small_detector;
+
+TEST(SideNetworkTest, SaysOfEachHandWhatTheNetworkSaysAtItsPlace) {
+  const DetectorWeights weights = random_detector(small_detector(), 5);
+  Random random(6);
+  Frame frame = blank_frame(quarter_vga_camera());
+  testing::draw_hand(frame, Point3(20, 10, 450), random);
+  const DetectorView view(small_detector(), frame.camera);
+  const DetectorMaps maps = HandDetector(weights).maps_of(view.shrink(frame.depth_mm));
+
+  std::vector<Point3> centres;
+  std::vector<double> expected;
+  for (int row = 0; row < maps.height; ++row) {
+    for (int column = 0; column < maps.width; ++column) {
+      // 0.3 cells beside the middle of the cell
+      const auto in_picture = [](double cell) { return (cell + 0.3) * kMapStride + 0.5 * (kMapStride - 1); };
+      centres.push_back(view.to_camera({in_picture(column), in_picture(row), 2.0}));
+      expected.push_back(logistic(maps.cell(column, row)[kSideMap]));
+    }
+  }
+  EXPECT_EQ(SideNetwork(weights).right_hands(frame, centres), expected);
+  EXPECT_GT(*std::ranges::max_element(expected), *std::ranges::min_element(expected) + 0.001);
+}
+
+TEST(SideNetworkTest, HandsOutsideOfWhatItSeesHaveTheNearestPlace) {
+  const DetectorWeights weights = random_detector(small_detector(), 5);
+  Frame frame = blank_frame(quarter_vga_camera());
+  testing::draw_ball(frame, Point3(0, 0, 500), 80);
+  const SideNetwork network(weights);
+  const std::vector<Point3> outside = {{-1e5, -1e5, 300}, {1e5, 1e5, 300}};
+  const std::vector<Point3> corners = {{-1e3, -1e3, 300}, {1e3, 1e3, 300}};
+  EXPECT_EQ(network.right_hands(frame, outside), network.right_hands(frame, corners));
+}
+
+TEST(SideNetworkTest, SaysLeftAndRight) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  for (const HandSide side : {HandSide::left, HandSide::right}) {
+    const DetectedHand hand{
+        .centre = Point3(0, 0, 500), .extent_mm = 80, .score = 0.5, .side = side, .side_confidence = 0.8};
+    const SideNetwork network(constant_detector(small_detector(), frame.camera, hand));
+    const std::vector<Point3> centres = {{0, 0, 500}, {50, 20, 400}};
+    for (const double right : network.right_hands(frame, centres)) {
+      EXPECT_NEAR(right, side == HandSide::right ? 0.8 : 0.2, 0.001);
+    }
+    EXPECT_TRUE(network.right_hands(frame, {}).empty());
+  }
+}
+
+}  // namespace
+}  // namespace knuckle
