@@ -58,29 +58,20 @@ TEST(HandFinder, OfAPipelineFileOnlyItsOwnTablesCount) {
               ::testing::HasSubstr("segmentatio"));
 }
 
-/// Who sees left hands alone, with a likelihood of 0.8.
-std::unique_ptr<const SideNetwork> left_hands() {
-  const DetectedHand hand{.centre = Point3(0, 0, 500),
-                          .extent_mm = 80,
-                          .score = 0.5,
-                          .side = HandSide::left,
-                          .side_confidence = 0.8};
-  return std::make_unique<const SideNetwork>(
-      testing::constant_detector(testing::small_detector(), three_pixels().camera, hand));
-}
-
 TEST(HandFinder, WhoTellsSidesIsAskedWhereTheyAreOpen) {
+  const DetectorWeights weights = random_detector(testing::small_detector(), 3);
+  const std::vector<Point3> centres = {Point3(30.0, 1.0, 500.0)};
+  const double right = SideNetwork(weights).right_hands(three_pixels(), centres)[0];
   for (const std::string side : {"auto", "right", "left"}) {
     KeepingSegmenter::Seen seen;
-    const HandFinder finder(std::make_unique<KeepingSegmenter>(seen), {.side = side}, left_hands());
+    const HandFinder finder(std::make_unique<KeepingSegmenter>(seen), {.side = side},
+                            std::make_unique<const SideNetwork>(weights));
     const Segmentation found = finder.find(three_pixels(), std::nullopt);
     ASSERT_EQ(found.hands.size(), 1u);
-    EXPECT_EQ(found.hands[0].right_hand.has_value(), side == "auto") << side;
+    EXPECT_EQ(found.hands[0].right_hand, side == "auto" ? std::optional(right) : std::nullopt) << side;
     if (side != "auto") continue;
-    EXPECT_NEAR(*found.hands[0].right_hand, 0.2, 0.001);
-    EXPECT_EQ(found.hands[0].side, HandSide::left);
-    const HandRegion mirror = mirrored(found.hands[0], 20);
-    EXPECT_NEAR(mirror.right_hand.value(), 0.8, 0.001);
+    EXPECT_EQ(found.hands[0].side, right >= 0.5 ? HandSide::right : HandSide::left);
+    EXPECT_DOUBLE_EQ(mirrored(found.hands[0], 20).right_hand.value(), 1.0 - right);
   }
 }
 

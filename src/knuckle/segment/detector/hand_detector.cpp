@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "knuckle/core/error.h"
@@ -73,14 +72,9 @@ DetectorMaps HandDetector::maps_of(const DetectorInput& input) const {
   return maps;
 }
 
-SeenFrame HandDetector::see(const Frame& frame) const {
-  std::shared_ptr<const DetectorView> view = views_.of(frame.camera);
-  return {maps_of(view->shrink(frame.depth_mm)), std::move(view)};
-}
-
 std::vector<DetectedHand> HandDetector::detect(const Frame& frame, const DetectionOptions& options) const {
-  const SeenFrame seen = see(frame);
-  return hands_in(seen.maps, *seen.view, options);
+  const std::shared_ptr<const DetectorView> view = view_of(frame.camera);
+  return hands_in(maps_of(view->shrink(frame.depth_mm)), *view, options);
 }
 
 }  // namespace knuckle

@@ -12,12 +12,6 @@
 
 namespace knuckle {
 
-/// What a detector's network says of a frame, and where in the frame that is.
-struct SeenFrame {
-  DetectorMaps maps;
-  std::shared_ptr<const DetectorView> view;
-};
-
 /// A network that sees a whole depth frame, small, and says where hands are (docs/detector.md).
 class HandDetector {
  public:
@@ -29,9 +23,8 @@ class HandDetector {
   /// ends in) a number would not be finite. Safe to call from many threads.
   DetectorMaps maps_of(const DetectorInput& input) const;
 
-  /// What the network says of a frame, whose depth image has the camera's size and a pixel at least. Safe to call
-  /// from many threads; what it computes for a camera it keeps.
-  SeenFrame see(const Frame& frame) const;
+  /// How the network sees the frames of a camera. Safe to call from many threads; what it computes it keeps.
+  std::shared_ptr<const DetectorView> view_of(const Camera& camera) const { return views_.of(camera); }
 
   /// The hands of a frame, the surest first. The depth image has the camera's size and a pixel at least. Safe
   /// to call from many threads; what it computes for a camera it keeps.

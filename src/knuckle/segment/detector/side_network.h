@@ -11,7 +11,9 @@
 namespace knuckle {
 
 /// Tells left hands from right ones by what is seen around them: the arm, and the body that it belongs to. It
-/// is a detector (docs/detector.md) of whose answers only the sides count.
+/// is a detector (docs/detector.md) of whose answers only the sides count. It sees each frame twice, as it is
+/// and in a mirror, where all sides are exchanged, and the mean of its log odds counts: what it says of both
+/// pictures alike it does not know.
 class SideNetwork {
  public:
   explicit SideNetwork(const DetectorWeights& weights) : network_(weights) {}
