@@ -15,7 +15,6 @@ namespace {
 constexpr double kOffsetWeight = 0.3;
 constexpr double kInverseDepthWeight = 4.0;
 constexpr double kExtentWeight = 1.0;
-constexpr double kSideWeight = 0.5;
 
 constexpr double kPeakShare = 0.3;       // deviation of a heat map's peak over the hand's extent
 constexpr double kLeastDeviation = 0.6;  // [cells of the maps]
@@ -131,7 +130,7 @@ torch::Tensor DetectorNetwork::loss(const torch::Tensor& output, const torch::Te
                           distance_loss(said(kOffsetVMap), maps.offset_v, maps)) +
          kInverseDepthWeight * distance_loss(said(kInverseDepthMap), inverse_depth, maps) +
          kExtentWeight * distance_loss(said(kExtentMap), extent, maps) +
-         kSideWeight * side_loss(said(kSideMap), maps);
+         options_.side_weight * side_loss(said(kSideMap), maps);
 }
 
 std::shared_ptr<DetectorNetwork> make_detector_network(const DetectorOptions& options, std::uint64_t seed) {

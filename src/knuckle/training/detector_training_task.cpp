@@ -260,7 +260,9 @@ void DetectorTrainingTask::save(const std::filesystem::path& path, const Trainab
 
 void DetectorTrainingTask::load(const std::filesystem::path& path, TrainableModule& network) const {
   const DetectorWeights weights = load_detector_weights(path);
-  if (detector_options_as_toml(weights.options()) != detector_options_as_toml(options_)) {
+  DetectorOptions known = weights.options();
+  known.side_weight = options_.side_weight;  // of its training alone
+  if (detector_options_as_toml(known) != detector_options_as_toml(options_)) {
     fail("{}: training cannot begin with it: its [network] differs from the configuration's", path.string());
   }
   set_weights(network, weights);

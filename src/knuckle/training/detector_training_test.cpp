@@ -118,6 +118,18 @@ TEST(DetectorLoss, IsLeastWhereTheMapsSayTheTruth) {
   EXPECT_GT(network->loss(invented, {}, targets).item<double>(), told + 1.0);
 }
 
+TEST(DetectorLoss, TheSideCountsAsMuchAsIsSaid) {
+  torch::manual_seed(2);
+  const torch::Tensor output = torch::randn({2, kDetectorMaps, 12, 16}, torch::kDouble);
+  const auto loss = [&](double weight) {
+    DetectorOptions options = small_detector();
+    options.side_weight = weight;
+    return make_detector_network(options, 1)->loss(output, {}, targets_of_two_frames()).item<double>();
+  };
+  EXPECT_GT(loss(1.0), loss(0.0) + 0.01);
+  EXPECT_NEAR(loss(6.0) - loss(0.0), 6.0 * (loss(1.0) - loss(0.0)), 1e-9);
+}
+
 /// Weights of half precision, and batch norms as a training leaves them.
 void make_detector_like_trained(DetectorNetwork& network) {
   const torch::NoGradGuard no_gradient;
@@ -293,6 +305,8 @@ TEST_F(DetectorTraining, BeginsWithAModelOfItsKindAlone) {
   second.initial = folder_ / "first.pt";
   EXPECT_NO_THROW(train(short_training(), second));
   DetectorOptions other = small_detector();
+  other.side_weight = 3.0;
+  EXPECT_NO_THROW(train_detector(other, short_training(), {}, samples_, samples_, second));
   other.head_channels = 24;
   EXPECT_THAT(error_of([&] { train_detector(other, short_training(), {}, samples_, samples_, second); }),
               AllOf(HasSubstr("first.pt"), HasSubstr("[network] differs")));

@@ -16,6 +16,7 @@ void DetectorOptions::visit(OptionVisitor& visitor) {
   visitor.integer("head_channels", head_channels, closed(1, 1024));
   visitor.integer("blocks", blocks, closed(1, 16));
   visitor.flag("relief", relief);
+  visitor.real("side_weight", side_weight, closed(0, 100));
 }
 
 EncoderDecoderShape DetectorOptions::shape() const {

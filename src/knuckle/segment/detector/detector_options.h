@@ -25,6 +25,7 @@ struct DetectorOptions {
   int head_channels = 32;       ///< before the maps, [1, 1024]
   int blocks = 1;               ///< residual blocks per stage, [1, 16]
   bool relief = false;          ///< it is shown how far each cell stands out, too (`write_reliefs`)
+  double side_weight = 0.5;     ///< of the cross entropy of the side in its training, [0, 100]
 
   void visit(OptionVisitor& visitor);
   EncoderDecoderShape shape() const;
