@@ -128,8 +128,7 @@ Search in_mirror(Search search) {
 }
 
 constexpr double kSureOfSide = 0.9;
-constexpr double kOddsOfScore = 5.0;      ///< of the side whose pose is surer by 1
-constexpr double kOddsOfSideModel = 1.0;  ///< how much its log odds count
+constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
 
 HandSide opposite(HandSide side) {
   return side == HandSide::right ? HandSide::left : HandSide::right;
@@ -301,7 +300,7 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
 std::optional<double> Pipeline::Sight::likelihood_of_side() const {
   if (!region.right_hand) return pose.right_hand;
   const double seen = pose.right_hand ? log_odds(*pose.right_hand) : 0.0;
-  return logistic(seen + kOddsOfSideModel * log_odds(*region.right_hand));
+  return logistic(seen + log_odds(*region.right_hand));
 }
 
 double Pipeline::Sight::odds_of_side() const {

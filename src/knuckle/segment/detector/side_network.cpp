@@ -10,6 +10,8 @@
 namespace knuckle {
 namespace {
 
+constexpr double kNobodyKnows = 0.5;
+
 /// The cell of the maps that a place of the small picture lies in.
 int map_cell(double place, int cells) {
   const double cell = (place - 0.5 * (kMapStride - 1)) / kMapStride;
@@ -30,6 +32,10 @@ std::vector<double> SideNetwork::right_hands(const Frame& frame, std::span<const
   const DetectorMaps maps = network_.maps_of(input);
   const DetectorMaps mirror = network_.maps_of(in_mirror(input));
   for (const Point3& centre : centres) {
+    if (!centre.allFinite() || centre.z() <= 0.0) {
+      right.push_back(kNobodyKnows);
+      continue;
+    }
     const ViewPlace place = view->to_view(centre);
     const int column = map_cell(place.u, maps.width);
     const int row = map_cell(place.v, maps.height);
