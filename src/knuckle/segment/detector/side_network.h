@@ -18,9 +18,9 @@ class SideNetwork {
  public:
   explicit SideNetwork(const DetectorWeights& weights) : network_(weights) {}
 
-  /// How likely each hand is a right one, (0, 1), by its centre in camera coordinates [mm], z above 0: what
-  /// the network says at that place, or at the nearest one that it sees. The depth image has the camera's
-  /// size and a pixel at least. Safe to call from many threads.
+  /// How likely each hand is a right one, (0, 1), by its centre in camera coordinates [mm]: what the network
+  /// says at that place, or at the nearest one that it sees; 0.5 of what lies nowhere before the camera. The
+  /// depth image has the camera's size and a pixel at least. Safe to call from many threads.
   std::vector<double> right_hands(const Frame& frame, std::span<const Point3> centres) const;
 
  private:

@@ -55,6 +55,17 @@ TEST(SideNetworkTest, HandsOutsideOfWhatItSeesHaveTheNearestPlace) {
   EXPECT_EQ(network.right_hands(frame, outside), network.right_hands(frame, corners));
 }
 
+TEST(SideNetworkTest, OfWhatLiesNowhereBeforeTheCameraNothingIsKnown) {
+  Frame frame = blank_frame(quarter_vga_camera());
+  testing::draw_ball(frame, Point3(0, 0, 500), 80);
+  const SideNetwork network(random_detector(small_detector(), 5));
+  const double nan = std::nan("");
+  const std::vector<Point3> centres = {{0, 0, 0}, {0, 0, -500}, {nan, 0, 500}, {0, 0, nan}, {30, 0, 500}};
+  const std::vector<double> right = network.right_hands(frame, centres);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(right[i], 0.5);
+  EXPECT_NE(right[4], 0.5);
+}
+
 TEST(SideNetworkTest, InAMirrorARightHandIsALeftOne) {
   Random random(6);
   Frame frame = blank_frame(quarter_vga_camera());
