@@ -130,6 +130,16 @@ TEST_F(DetectorSegmenterTest, AStartIsTrusted) {
   EXPECT_EQ(lost.reason, "no measurement near the start");
 }
 
+TEST_F(DetectorSegmenterTest, AStartMayLieInTheCameraItself) {
+  Frame wall = blank_frame(quarter_vga_camera());
+  draw_table(wall, 60.0);
+  for (const double z : {0.0, -20.0, 1e-300}) {
+    const Segmentation found = segmenter().segment(wall, Point3(0, 0, z), 1);
+    ASSERT_EQ(found.hands.size(), 1u) << z;
+    EXPECT_GT(pixels_of(found.hands[0]), 1000) << z;
+  }
+}
+
 TEST_F(DetectorSegmenterTest, WhatIsNotSureIsNotFound) {
   DetectorSegmenterOptions options;
   options.detection.min_score = 0.95;

@@ -44,7 +44,8 @@ float tolerance_mm(const Point3& centre) {
 
 /// Every how many pixels, along rows and columns, the surroundings are looked at.
 int grid_step(const Camera& camera, const Point3& centre, double radius_mm) {
-  const double pixels_per_mm = Projection(camera).pixels_per_mm(centre.z());
+  const double distance_mm = std::max(centre.z(), radius_mm);  // the ball may hold the camera
+  const double pixels_per_mm = Projection(camera).pixels_per_mm(distance_mm);
   return std::max(1, static_cast<int>(2 * kSurroundings * radius_mm * pixels_per_mm / kGridPoints));
 }
 
