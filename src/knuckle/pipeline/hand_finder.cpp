@@ -4,6 +4,7 @@
 #include <array>
 
 #include "knuckle/camera/projection.h"
+#include "knuckle/segment/detector/side_network.h"
 #include "knuckle/segment/hand_region.h"
 #include "knuckle/segment/segmenter_factory.h"
 
@@ -44,7 +45,7 @@ void HandOptions::visit(OptionVisitor& visitor) {
 }
 
 HandFinder::HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand,
-                       std::unique_ptr<const SideNetwork> sides)
+                       std::shared_ptr<const SideNetwork> sides)
     : hand_(hand), segmenter_(std::move(segmenter)), sides_(std::move(sides)) {
   check_options(hand_, "hand");
   if (!segmenter_) fail("a pipeline was to be made without a segmenter");
@@ -55,7 +56,7 @@ HandFinder::HandFinder(const OptionTable& document, const HandOptions& defaults)
   table.read(hand_);
   if (table.has("side_model")) {
     const std::filesystem::path model = table.resolved_path(table.required_text("side_model"));
-    sides_ = std::make_unique<const SideNetwork>(load_detector_weights(model));
+    sides_ = std::make_shared<const SideNetwork>(load_detector_weights(model));
   }
   segmenter_ = create_segmenter(document.table("segmentation"));
 }

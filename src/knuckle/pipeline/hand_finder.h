@@ -7,10 +7,11 @@
 
 #include "knuckle/core/frame.h"
 #include "knuckle/core/options.h"
-#include "knuckle/segment/detector/side_network.h"
 #include "knuckle/segment/segmenter.h"
 
 namespace knuckle {
+
+class SideNetwork;
 
 /// The `[hand]` table of a pipeline file.
 struct HandOptions {
@@ -44,7 +45,7 @@ class HandFinder {
   /// A segmenter of your own, and who tells the sides of hands where `side` is auto. Throws an Error where
   /// the segmenter is missing (null) or an option is out of range.
   explicit HandFinder(std::unique_ptr<Segmenter> segmenter, const HandOptions& hand = {},
-                      std::unique_ptr<const SideNetwork> sides = nullptr);
+                      std::shared_ptr<const SideNetwork> sides = nullptr);
   /// Reads the two tables of a pipeline's document; options of `[hand]` that it does not have are those of
   /// `defaults`. The caller finishes the document.
   explicit HandFinder(const OptionTable& document, const HandOptions& defaults = {});
@@ -70,7 +71,7 @@ class HandFinder {
   HandOptions hand_;
   std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;
-  std::unique_ptr<const SideNetwork> sides_;  ///< null: nobody is asked
+  std::shared_ptr<const SideNetwork> sides_;  ///< null: nobody is asked
 };
 
 /// The frame as it shows a right hand: in a mirror where it shows a left one. Where the source does not say

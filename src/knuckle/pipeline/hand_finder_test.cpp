@@ -6,6 +6,7 @@
 #include "knuckle/core/testing.h"
 #include "knuckle/pipeline/start.h"
 #include "knuckle/segment/detector/detector_testing.h"
+#include "knuckle/segment/detector/side_network.h"
 #include "knuckle/segment/hand_region.h"
 
 namespace knuckle {
@@ -65,7 +66,7 @@ TEST(HandFinder, WhoTellsSidesIsAskedWhereTheyAreOpen) {
   for (const std::string side : {"auto", "right", "left"}) {
     KeepingSegmenter::Seen seen;
     const HandFinder finder(std::make_unique<KeepingSegmenter>(seen), {.side = side},
-                            std::make_unique<const SideNetwork>(weights));
+                            std::make_shared<const SideNetwork>(weights));
     const Segmentation found = finder.find(three_pixels(), std::nullopt);
     ASSERT_EQ(found.hands.size(), 1u);
     EXPECT_EQ(found.hands[0].right_hand, side == "auto" ? std::optional(right) : std::nullopt) << side;
