@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -85,21 +86,22 @@ void DetectorSegmenter::add_region(const Frame& frame, const DetectedHand& hand,
                                    Segmentation& result) const {
   const std::shared_ptr<const RayTable> rays = ray_cache_.rays_of(frame.camera);
   const double radius_mm = hand.extent_mm + options_.margin_mm;
-  const PointCloud ball = points_around(frame.depth_mm, *rays, hand.centre, radius_mm);
-  const auto area = [&](const Pixels& pixels) { return area_mm2(pixels, frame.camera, frame.depth_mm); };
-  if (ball.pixels.empty() || area(ball.pixels) < options_.min_area_mm2) {
+  PointCloud ball = points_around(frame.depth_mm, *rays, hand.centre, radius_mm);
+  const auto area_of = [&](const Pixels& pixels) { return area_mm2(pixels, frame.camera, frame.depth_mm); };
+  const double area = area_of(ball.pixels);
+  if (ball.pixels.empty() || area < options_.min_area_mm2) {
     result.reason = ball.pixels.empty()
                         ? "no measurement near the start"
-                        : fmt::format("the surface found covers {:.0f} mm^2, a hand at least {:.0f}",
-                                      area(ball.pixels), options_.min_area_mm2);
+                        : fmt::format("the surface found covers {:.0f} mm^2, a hand at least {:.0f}", area,
+                                      options_.min_area_mm2);
     return;
   }
-  Pixels pixels = ball.pixels;
+  Pixels pixels;
   if (options_.cut_surface) {
     const auto surface = surface_behind(frame.depth_mm, *rays, hand.centre, radius_mm);
     if (surface) pixels = pixels_before(*surface, ball);
-    if (area(pixels) < options_.min_area_mm2) pixels = ball.pixels;
   }
+  if (pixels.empty() || area_of(pixels) < options_.min_area_mm2) pixels = std::move(ball.pixels);
   HandRegion region = region_of_pixels(pixels, frame.depth_mm.width());
   region.centre = hand.centre;
   region.score = hand.score;
