@@ -47,6 +47,8 @@ REPLACED = [
     (r"^(\S*knuckle) experiment scia15", r"knows_options \1 experiment"),
     # Goes on until Ctrl-C: the options are looked up, and what a person would verify is imported.
     (r"^\s*(\S*knuckle) annotate", r"is_labelled \1"),
+    # The score of the recordings lies beside them, where it lies anywhere.
+    (r"python3 (\.\./shared/tools/)", r"scores \1"),
     # Hours of work at full size; options and files are as typed.
     (r"knuckle_bench", "knuckle_bench --benchmark_filter=^patch/ --benchmark_min_time=0.01"),
     (r"knuckle_pose_coverage", "knuckle_pose_coverage --samples 200 --people 2 --step 5000"),
@@ -61,6 +63,9 @@ knows_options() {  # PROGRAM VERB WORD...: the help of the verb has each --optio
   for word in "$@"; do
     [[ $word != --* ]] || grep -qF -- "$word " <<<"$help" || { echo "no $word in: $help"; return 1; }
   done
+}
+scores() {  # SCRIPT ARGUMENT...
+  if [[ -d ../shared/tools ]]; then python3 "$@"; else echo "there is no $1"; fi
 }
 is_labelled() {  # PROGRAM --source S --labels L --prelabel P
   knows_options "$1" annotate "${@:2}"
@@ -122,6 +127,9 @@ def make_copy(folder, build):
     if shared_data():
         (folder / "shared").mkdir()
         (folder / "shared/data").symlink_to(shared_data().resolve())
+        tools = shared_data().resolve().parent / "tools"
+        if tools.is_dir():
+            (folder / "shared/tools").symlink_to(tools)
     (folder / "bin").mkdir()
     (folder / "bin/python3").symlink_to(sys.executable)
     return tree
