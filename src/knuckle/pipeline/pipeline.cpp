@@ -128,7 +128,13 @@ Search in_mirror(Search search) {
 }
 
 constexpr double kSureOfSide = 0.9;
+constexpr double kClearByTheArm = 0.75;  ///< where the hand as it is first seen does not contradict
 constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
+
+/// Whether two witnesses agree that it is a right hand: arm and body, and the first look at the hand.
+bool is_clear_by_the_arm(const HandRegion& region, const PatchPose& seen) {
+  return region.right_hand.value_or(0.0) >= kClearByTheArm && seen.right_hand.value_or(1.0) >= 0.5;
+}
 
 HandSide opposite(HandSide side) {
   return side == HandSide::right ? HandSide::left : HandSide::right;
@@ -276,8 +282,8 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
 }
 
 /// Estimators know right hands: where each hand has its own side, a left one is looked at in a mirror.
-/// Segmentation guesses the side. Unless the estimator is sure of the guess, it is shown the other side as
-/// well, and what it says of both sides and how sure it is of both poses decide.
+/// Segmentation guesses the side. Unless the arm makes it clear or the estimator is sure of the guess, it is
+/// shown the other side as well, and what it says of both sides and how sure it is of both poses decide.
 std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion region, const Look& look,
                                               StageTimes& times) const {
   const bool is_auto = finder_.hand().is_auto();
@@ -290,7 +296,7 @@ std::optional<HandEstimate> Pipeline::hand_in(const Frame& frame, HandRegion reg
   if (is_open) of_other_side = region;
   auto sight = sight_of(frame, std::move(region), guess, first, times);
   if (!sight) return std::nullopt;
-  if (of_other_side && sight->likelihood_of_side().value_or(0.0) < kSureOfSide) {
+  if (of_other_side && !sight->is_sure_of_side()) {
     auto other = sight_of(frame, *std::move(of_other_side), opposite(guess), first, times);
     if (other && other->odds_of_side() > sight->odds_of_side()) sight = std::move(other);
   }
@@ -301,6 +307,10 @@ std::optional<double> Pipeline::Sight::likelihood_of_side() const {
   if (!region.right_hand) return pose.right_hand;
   const double seen = pose.right_hand ? log_odds(*pose.right_hand) : 0.0;
   return logistic(seen + log_odds(*region.right_hand));
+}
+
+bool Pipeline::Sight::is_sure_of_side() const {
+  return side_is_clear || likelihood_of_side().value_or(0.0) >= kSureOfSide;
 }
 
 double Pipeline::Sight::odds_of_side() const {
@@ -338,10 +348,11 @@ std::optional<Pipeline::Sight> Pipeline::sight_of_right(const Frame& frame, Hand
     in_patch = timed(times.estimate_ms, [&] { return estimator_->judged(*patch, std::move(in_patch)); });
     score = score_of(in_patch, region);
   }
-  if (is_sure(score) && finder_.hand().is_auto() && !look.side) {
+  const bool side_is_clear = is_clear_by_the_arm(region, in_patch);
+  if (!side_is_clear && is_sure(score) && finder_.hand().is_auto() && !look.side) {
     in_patch = timed(times.estimate_ms, [&] { return estimator_->sided(*patch, std::move(in_patch)); });
   }
-  return Sight{*std::move(patch), std::move(in_patch), std::move(region), score};
+  return Sight{*std::move(patch), std::move(in_patch), std::move(region), score, side_is_clear};
 }
 
 HandEstimate Pipeline::completed(const Frame& frame, Sight sight, const Look& look, StageTimes& times) const {

@@ -138,11 +138,14 @@ class Pipeline {
     PatchPose pose;
     HandRegion region;
     double score = 0.0;
+    bool side_is_clear = false;  ///< arm and body tell it, and the hand does not contradict
     std::unique_ptr<const Frame> mirror = {};  ///< the mirrored frame, in which a left hand is looked at
 
     /// How likely the hand is of that side, as the estimator and the `side_model` see it; nothing: neither
     /// can tell.
     std::optional<double> likelihood_of_side() const;
+    /// Whether it need not be looked at as a hand of the other side.
+    bool is_sure_of_side() const;
     /// How much speaks for that side, in log odds: a surer pose, too.
     double odds_of_side() const;
   };

@@ -114,10 +114,12 @@ TEST(PipelineFromParts, WhoSeesTheArmAndWhoSeesTheHandTellTheSideTogether) {
 /// Knows the side only when other looks are asked for: a left one, with this likelihood.
 class AskedForSide final : public Estimator {
  public:
-  explicit AskedForSide(int* asked, double left = 0.7) : sees_(left), asked_(asked) {}
+  /// Says `at_first` of a right hand, where it was not asked.
+  explicit AskedForSide(int* asked, double left = 0.7, std::optional<double> at_first = {})
+      : sees_(left), first_(at_first), asked_(asked) {}
   Convention convention() const override { return sees_.convention(); }
   const PatchExtractor& patches() const override { return sees_.patches(); }
-  PatchPose estimate(const HandPatch& patch) const override { return sees_.estimate(patch); }
+  PatchPose estimate(const HandPatch& patch) const override { return first_.estimate(patch); }
   PatchPose sided(const HandPatch& patch, PatchPose seen) const override {
     ++*asked_;
     seen.right_hand = 1.0 - *sees_.estimate(patch).right_hand;
@@ -126,6 +128,7 @@ class AskedForSide final : public Estimator {
 
  private:
   SideEstimator sees_;
+  SideEstimator first_;
   int* asked_;
 };
 
@@ -159,6 +162,30 @@ TEST(PipelineFromParts, WhereTheSideIsClearTheOtherOneIsNotLookedAt) {
   EXPECT_EQ(sides_seen(0.91, HandSide::left), 1);
   EXPECT_EQ(sides_seen(0.89, HandSide::left), 2);
   EXPECT_EQ(sides_seen(0.99, HandSide::right), 2) << "a wrong guess";
+}
+
+TEST(PipelineFromParts, WhereArmAndHandAgreeOnTheSideNoOtherLookIsTaken) {
+  int asked = 0;
+  const auto seen = [&](double right_by_the_arm, std::optional<double> right_by_the_hand) {
+    asked = 0;
+    const HandSide guess = right_by_the_arm >= 0.5 ? HandSide::right : HandSide::left;
+    PipelineParts parts{
+        HandFinder(std::make_unique<SidedSegmenter>(guess, right_by_the_arm), {.side = "auto"}),
+        std::make_unique<AskedForSide>(&asked, 0.99, right_by_the_hand)};
+    return Pipeline(std::move(parts)).estimate(plate()).hands.at(0);
+  };
+  for (const HandSide side : {HandSide::right, HandSide::left}) {
+    const auto as = [&](double right) { return side == HandSide::right ? right : 1.0 - right; };
+    EXPECT_EQ(seen(as(0.76), as(0.51)).side, side) << "other looks would say left";
+    EXPECT_EQ(asked, 0);
+    EXPECT_EQ(seen(as(0.76), std::nullopt).side, side) << "the first look does not tell";
+    EXPECT_EQ(asked, 0);
+    EXPECT_NEAR(seen(as(0.8), as(0.6)).side_confidence.value(), 6.0 / 7.0, 1e-9) << "odds of 4 and 1.5";
+    seen(as(0.76), as(0.49));
+    EXPECT_GT(asked, 0) << "the hand looks like one of the other side";
+    seen(as(0.74), as(0.9));
+    EXPECT_GT(asked, 0) << "the arm is not clear";
+  }
 }
 
 TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
