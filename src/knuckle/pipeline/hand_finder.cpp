@@ -71,7 +71,11 @@ HandFinder HandFinder::load(const std::filesystem::path& path) {
 }
 
 Segmentation HandFinder::find(const Frame& frame, const std::optional<Point3>& start) const {
-  if (!hand_.is_left()) return find_right(frame, start);
+  if (!hand_.is_left()) {
+    Segmentation segmentation = find_right(frame, start);
+    tell_sides(frame, segmentation.hands);
+    return segmentation;
+  }
   Segmentation segmentation = find_right(mirrored(frame), mirrored(start));
   for (HandRegion& region : segmentation.hands) region = mirrored(region, frame.camera.width);
   return segmentation;
@@ -83,12 +87,11 @@ Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Poin
 
 Segmentation HandFinder::find_right(const Frame& frame, const std::optional<Point3>& start,
                                     int max_hands) const {
-  Segmentation segmentation = segmenter_->segment(frame, start, max_hands);
-  if (hand_.is_auto() && sides_) tell_sides(frame, segmentation.hands);
-  return segmentation;
+  return segmenter_->segment(frame, start, max_hands);
 }
 
 void HandFinder::tell_sides(const Frame& frame, std::vector<HandRegion>& hands) const {
+  if (!hand_.is_auto() || !sides_) return;
   std::vector<Point3> centres;
   for (const HandRegion& hand : hands) centres.push_back(hand.centre);
   const std::vector<double> right = sides_->right_hands(frame, centres);

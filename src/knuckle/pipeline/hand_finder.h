@@ -60,14 +60,15 @@ class HandFinder {
   /// Regions in the frame's own image, `HandOptions::max_hands` at most, also for a left hand (which the
   /// segmenter sees in a mirror). `start` is in camera coordinates.
   Segmentation find(const Frame& frame, const std::optional<Point3>& start) const;
-  /// The same for a frame that already shows a right hand.
+  /// The same for a frame that already shows a right hand; sides are not told.
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start) const;
   /// The same with `max_hands` regions at most, [1, 16].
   Segmentation find_right(const Frame& frame, const std::optional<Point3>& start, int max_hands) const;
-
- private:
+  /// Tells the sides of a frame's hands where `side` is auto and there is who tells them: `right_hand` and
+  /// `side` of each.
   void tell_sides(const Frame& frame, std::vector<HandRegion>& hands) const;
 
+ private:
   HandOptions hand_;
   std::string resolved_options_;
   std::unique_ptr<Segmenter> segmenter_;

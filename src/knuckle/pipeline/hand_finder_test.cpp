@@ -69,6 +69,7 @@ TEST(HandFinder, WhoTellsSidesIsAskedWhereTheyAreOpen) {
                             std::make_shared<const SideNetwork>(weights));
     const Segmentation found = finder.find(three_pixels(), std::nullopt);
     ASSERT_EQ(found.hands.size(), 1u);
+    EXPECT_FALSE(finder.find_right(three_pixels(), std::nullopt).hands[0].right_hand) << "nobody asked";
     EXPECT_EQ(found.hands[0].right_hand, side == "auto" ? std::optional(right) : std::nullopt) << side;
     if (side != "auto") continue;
     EXPECT_EQ(found.hands[0].side, right >= 0.5 ? HandSide::right : HandSide::left);

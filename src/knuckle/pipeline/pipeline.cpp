@@ -209,8 +209,7 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
   check_max_hands(search.max_hands);
   FrameEstimate result;
   if (search.start) {
-    Segmentation found =
-        timed(result.times.segment_ms, [&] { return finder_.find_right(frame, search.start, 1); });
+    Segmentation found = found_in(frame, search.start, search, 1, result.times);
     result.status = std::move(found.reason);
     add_hands(frame, std::move(found.hands), {.side = search.side}, result);
     if (!result.hands.empty()) look_at_start(frame, search, result.hands.front(), result.times);
@@ -234,6 +233,16 @@ FrameEstimate Pipeline::estimate_right(const Frame& frame, const Search& search)
     result.status = "the hand has no measured pixel";
   }
   return result;
+}
+
+/// Who tells sides is asked where they are open.
+Segmentation Pipeline::found_in(const Frame& frame, const std::optional<Point3>& start, const Search& search,
+                                int places, StageTimes& times) const {
+  return timed(times.segment_ms, [&] {
+    Segmentation found = finder_.find_right(frame, start, places);
+    if (!search.side) finder_.tell_sides(frame, found.hands);
+    return found;
+  });
 }
 
 bool Pipeline::is_sure(double score) const {
@@ -265,8 +274,7 @@ void Pipeline::look_elsewhere(const Frame& frame, const Search& search, FrameEst
   std::vector<Point3> tried;
   for (const HandEstimate& hand : result.hands) tried.push_back(hand.region.centre);
   for (const int places : {search.max_hands, finder_.hand().candidates}) {
-    Segmentation found =
-        timed(result.times.segment_ms, [&] { return finder_.find_right(frame, std::nullopt, places); });
+    Segmentation found = found_in(frame, std::nullopt, search, places, result.times);
     if (result.hands.empty()) result.status = std::move(found.reason);
     const bool are_all = std::ssize(found.hands) < places;
     std::erase_if(found.hands,

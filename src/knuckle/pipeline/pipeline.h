@@ -126,6 +126,8 @@ class Pipeline {
   static Pipeline from_table(const OptionTable& document, std::unique_ptr<Estimator> own);
   FrameEstimate estimate_left(const Frame& frame, const Search& search) const;
   FrameEstimate estimate_right(const Frame& frame, const Search& search) const;
+  Segmentation found_in(const Frame& frame, const std::optional<Point3>& start, const Search& search,
+                        int places, StageTimes& times) const;
   bool is_sure(double score) const;
   /// How a place is looked at.
   struct Look {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which side a hand is looked at as: what is told, what an estimator says, what is found in the mirror.
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "knuckle/pipeline/pipeline_testing.h"
+#include "knuckle/segment/detector/detector_testing.h"
+#include "knuckle/segment/detector/side_network.h"
 
 namespace knuckle {
 namespace {
@@ -197,6 +200,21 @@ TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
     ASSERT_EQ(result.hands.size(), 1u);
     EXPECT_EQ(result.hands[0].side, known);
     EXPECT_NEAR(result.hands[0].pose.joints[0].u, known == HandSide::left ? 13.0 : 4.0, 1e-9);
+  }
+}
+
+TEST(PipelineFromParts, WhoSeesTheArmIsAskedWhereTheSideIsOpen) {
+  const auto network = std::make_shared<const SideNetwork>(random_detector(testing::small_detector(), 3));
+  const auto right_by_the_arm = [&](const std::optional<Point3>& start, std::optional<HandSide> known) {
+    PipelineParts parts{
+        HandFinder(std::make_unique<SidedSegmenter>(std::nullopt), {.side = "auto"}, network),
+        std::make_unique<SideEstimator>(std::nullopt)};
+    const FrameEstimate found = Pipeline(std::move(parts)).estimate(plate(), {.start = start, .side = known});
+    return found.hands.at(0).region.right_hand;
+  };
+  for (const auto& start : {std::optional<Point3>(), std::optional(Point3(1.0, 2.0, 3.0))}) {
+    EXPECT_TRUE(right_by_the_arm(start, std::nullopt));
+    EXPECT_FALSE(right_by_the_arm(start, HandSide::right)) << "it is known";
   }
 }
 
