@@ -187,7 +187,7 @@ TEST_F(EstimateRunTest, ARunThatWasBegunWithSomethingElseIsNotGoneOnWith) {
   expect_refused(changed(command("run", {"--resume"}), "--records", path("other.jsonl")), "file for records");
 
   const std::string pipeline = read_text_file(path("pipeline.toml"));
-  write_text_file(path("pipeline.toml"), with(pipeline, "side = \"right\"", "side = \"left\""));
+  write_text_file(path("pipeline.toml"), with(pipeline, "side = \"auto\"", "side = \"left\""));
   expect_refused(command("run", {"--resume"}), "pipeline");
   write_text_file(path("pipeline.toml"), pipeline);
 
