@@ -129,7 +129,7 @@ Search in_mirror(Search search) {
 
 constexpr double kSureOfSide = 0.9;
 constexpr double kClearByTheArm = 0.75;  ///< where the hand as it is first seen does not contradict
-constexpr double kOddsOfScore = 5.0;  ///< of the side whose pose is surer by 1
+constexpr double kOddsOfScore = 5.0;     ///< of the side whose pose is surer by 1
 
 /// Whether two witnesses agree that it is a right hand: arm and body, and the first look at the hand.
 bool is_clear_by_the_arm(const HandRegion& region, const PatchPose& seen) {

@@ -140,7 +140,7 @@ class Pipeline {
     PatchPose pose;
     HandRegion region;
     double score = 0.0;
-    bool side_is_clear = false;  ///< arm and body tell it, and the hand does not contradict
+    bool side_is_clear = false;                ///< arm and body tell it, and the hand does not contradict
     std::unique_ptr<const Frame> mirror = {};  ///< the mirrored frame, in which a left hand is looked at
 
     /// How likely the hand is of that side, as the estimator and the `side_model` see it; nothing: neither

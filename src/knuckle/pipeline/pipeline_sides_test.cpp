@@ -206,9 +206,8 @@ TEST(PipelineFromParts, ASideThatIsKnownIsNotAsked) {
 TEST(PipelineFromParts, WhoSeesTheArmIsAskedWhereTheSideIsOpen) {
   const auto network = std::make_shared<const SideNetwork>(random_detector(testing::small_detector(), 3));
   const auto right_by_the_arm = [&](const std::optional<Point3>& start, std::optional<HandSide> known) {
-    PipelineParts parts{
-        HandFinder(std::make_unique<SidedSegmenter>(std::nullopt), {.side = "auto"}, network),
-        std::make_unique<SideEstimator>(std::nullopt)};
+    PipelineParts parts{HandFinder(std::make_unique<SidedSegmenter>(std::nullopt), {.side = "auto"}, network),
+                        std::make_unique<SideEstimator>(std::nullopt)};
     const FrameEstimate found = Pipeline(std::move(parts)).estimate(plate(), {.start = start, .side = known});
     return found.hands.at(0).region.right_hand;
   };
