@@ -27,7 +27,6 @@ constexpr int kTrials = 60;  // where half of all points lie on the plane, all f
 constexpr float kLeastShare = 0.5f;
 constexpr int kDirections = 12;
 constexpr int kFewestDirections = 6;
-constexpr float kLeastSine = 0.1f;  // between the sides of a triangle that a plane is laid through
 
 struct Plane {
   Eigen::Vector3f normal;
@@ -69,12 +68,11 @@ Points points_around_ball(const Image<float>& depth_mm, const RayTable& rays, co
   return points;
 }
 
-std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                                   const Eigen::Vector3f& c) {
+/// Of points in a line it is not a number, and nothing lies near to it.
+Plane plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
   const Eigen::Vector3f normal = (b - a).cross(c - a);
   const float length = normal.norm();
-  if (length <= kLeastSine * (b - a).norm() * (c - a).norm()) return std::nullopt;
-  return Plane{normal / length, normal.dot(a) / length};
+  return {normal / length, normal.dot(a) / length};
 }
 
 /// Of random planes through three of the points the one that most of them lie near to.
@@ -86,10 +84,9 @@ std::optional<Plane> plane_of_most(const Points& points, float tolerance) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Eigen::Vector3f a = any();
     const Eigen::Vector3f b = any();
-    const std::optional<Plane> plane = plane_through(a, b, any());
-    if (!plane) continue;
+    const Plane plane = plane_through(a, b, any());
     const auto count = std::ranges::count_if(
-        points, [&](const Eigen::Vector3f& point) { return plane->distance_mm(point) <= tolerance; });
+        points, [&](const Eigen::Vector3f& point) { return plane.distance_mm(point) <= tolerance; });
     if (count > most) most = count, best = plane;
   }
   return best;

@@ -84,6 +84,20 @@ TEST_F(SurfaceBehindTest, AnOrthographicCameraSeesItTheSame) {
   EXPECT_NEAR(surface->height_mm(kCentre.cast<float>()), 60.0, 0.05);
 }
 
+TEST_F(SurfaceBehindTest, AnOrthographicCameraIsBeforeASurfaceThatGoesOnBehindItsOrigin) {
+  Camera camera = quarter_vga_camera();
+  camera.model = CameraModel::orthographic;
+  camera.fx = camera.fy = 0.5;
+  camera.cx = 0.0;
+  frame_ = blank_frame(camera);
+  const Point3 centre(400, 0, 150);
+  const Point3 normal = Point3(0.6, 0, -0.8);  // where x is 0 the surface lies 75 mm behind the origin
+  draw_plane(frame_, normal, normal.dot(centre) - 60.0);
+  const auto surface = surface_behind(frame_.depth_mm, RayTable(camera), centre, kRadiusMm);
+  ASSERT_TRUE(surface);
+  EXPECT_NEAR(surface->normal.cast<double>().dot(normal), 1.0, 1e-6);
+}
+
 TEST_F(SurfaceBehindTest, NoiseAndThingsOnATableDoNotMoveIt) {
   draw_table(slanted(), 2.0);
   draw_ball(frame_, kCentre, 40);

@@ -120,6 +120,58 @@ TEST_F(SurroundingsTest, ThingsStandOnTheTable) {
   }
 }
 
+/// Radius of the upright cylinder about its axis that a thing fills.
+float reach_of(const PlacedShape& thing) {
+  float reach = 0.0f;
+  for (const Vector3f& vertex : thing.shape.mesh.vertices) reach = std::max(reach, vertex.head<2>().norm());
+  return reach;
+}
+
+TEST_F(SurroundingsTest, ThingsOnATableStandBesideOneAnother) {
+  std::size_t pairs = 0;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const SceneActors around = actors(i);
+    Random random(6, i);
+    const auto table = sampled_table(around, {}, random);
+    if (!table) continue;
+    const auto things = things_on_table(around, *table, {.most_things = 8, .cloth_share = 0}, random);
+    for (std::size_t a = 0; a < things.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b, ++pairs) {
+        const Vector3f between =
+            things[a].camera_from_shape.translation() - things[b].camera_from_shape.translation();
+        // Corners may come nearer: a circle about a box is wider than the box.
+        EXPECT_GT(between.norm(), 0.79f * (reach_of(things[a]) + reach_of(things[b]))) << i;
+      }
+    }
+  }
+  EXPECT_GT(pairs, 50u);
+}
+
+TEST_F(SurroundingsTest, FurnitureStandsInItsRoomBesideTheTable) {
+  std::size_t pieces = 0;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const SceneActors around = actors(i);
+    Random random(9, i);
+    const auto table = sampled_table(around, {}, random);
+    if (!table) continue;
+    const Room room = sampled_room(around, table, random);
+    const Eigen::Isometry3f room_from_camera = room.camera_from_room.inverse();
+    const Eigen::Isometry3f table_from_camera = table->camera_from_table.inverse();
+    for (const PlacedShape& piece : furniture(around, room, table, {.most_things = 5}, random)) {
+      ++pieces;
+      const Vector3f foot = room_from_camera * piece.camera_from_shape.translation();
+      EXPECT_NEAR(foot.z(), 0.0f, 0.1f) << "on the floor";
+      const Vector3f above_floor = foot + Vector3f(0, 0, 1);
+      EXPECT_TRUE(room.inside.contains(above_floor)) << i;
+      for (const Vector3f& vertex : piece.shape.mesh.vertices) {
+        const Vector3f place = table_from_camera * (piece.camera_from_shape * vertex);
+        EXPECT_FALSE(table->top.contains(place.head<2>())) << i;
+      }
+    }
+  }
+  EXPECT_GT(pieces, 30u);
+}
+
 TEST_F(SurroundingsTest, ARoomSurroundsAllAndIsSeenFromInside) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     const SceneActors around = actors(i);
