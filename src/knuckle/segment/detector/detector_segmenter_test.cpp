@@ -154,6 +154,11 @@ TEST_F(DetectorSegmenterTest, AHandHasASurface) {
   draw_ball(blank, kSeen.centre, 12);
   EXPECT_THAT(segmenter().segment(blank, std::nullopt, 1).reason, HasSubstr("a hand at least 1500"));
   EXPECT_FALSE(segmenter().segment(Frame{}, std::nullopt, 1).reason.empty());
+  DetectorSegmenterOptions any_size;
+  any_size.min_area_mm2 = 0.0;
+  const Segmentation lost = segmenter(any_size).segment(blank, Point3(0, 0, 3000), 1);
+  EXPECT_TRUE(lost.hands.empty());
+  EXPECT_EQ(lost.reason, "no measurement near the start");
 }
 
 TEST_F(DetectorSegmenterTest, RefusesWhatOthersRefuse) {

@@ -172,6 +172,23 @@ TEST_F(SurroundingsTest, FurnitureStandsInItsRoomBesideTheTable) {
   EXPECT_GT(pieces, 30u);
 }
 
+TEST_F(SurroundingsTest, FurnitureIsNeitherInSkinNorInTheCamera) {
+  std::size_t pieces = 0;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const SceneActors around = actors(i);
+    Random random(9, i);
+    const Room room = sampled_room(around, std::nullopt, random);
+    for (const PlacedShape& piece : furniture(around, room, std::nullopt, {.most_things = 5}, random)) {
+      ++pieces;
+      SceneMesh mesh;
+      mesh.append(piece.shape.mesh, piece.camera_from_shape);
+      EXPECT_FALSE(is_inside(mesh, Vector3f::Zero())) << i;
+      for (const Vector3f& point : around.points) EXPECT_FALSE(is_inside(mesh, point)) << i;
+    }
+  }
+  EXPECT_GT(pieces, 100u);
+}
+
 TEST_F(SurroundingsTest, ARoomSurroundsAllAndIsSeenFromInside) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     const SceneActors around = actors(i);
