@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast two workers of one thread train beside one process of two threads, on the same two cores.
 
-    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 12000]
+    /usr/bin/python3 bench/worker_ratio.py [--build build/release] [--rounds 5] [--frames 12000] [--only WORD] [--set FILE.h5]
 
 `dense`, a pose forest and a segmentation forest, each trained by both in turns: steps per second of the network, seconds per tree of
 the forests, each without the start and the reading of frames. Nothing else should run meanwhile.
+
+--only takes those whose name has the word: a pose forest of the paper's size is `--only pose --frames 400000` (9 GB of memory).
+--set takes frames that were rendered before (`knuckle render --manifest manifests/small_pictures.toml --count N`).
 """
 import argparse
 import csv
@@ -101,6 +104,8 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--frames", type=int, default=12000)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--set", type=pathlib.Path)
     arguments = parser.parse_args()
     program = (arguments.build / "bin/knuckle").resolve()
     trainings = {
@@ -110,9 +115,14 @@ def main():
     }
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        subprocess.run([program, "render", "--manifest", ROOT / "manifests/small_pictures.toml", "--count", str(arguments.frames), "--out",
-                        folder / "frames.h5"], check=True, stdout=subprocess.DEVNULL)
+        if arguments.set:
+            (folder / "frames.h5").symlink_to(arguments.set.resolve())
+        else:
+            subprocess.run([program, "render", "--manifest", ROOT / "manifests/small_pictures.toml", "--count", str(arguments.frames), "--out",
+                            folder / "frames.h5"], check=True, stdout=subprocess.DEVNULL)
         for what, rate_of in trainings.items():
+            if arguments.only not in what:
+                continue
             rates = [[rate_of(program, way, folder) for way in WAYS.values()] for _ in range(arguments.rounds)]
             for name, of_way in zip(WAYS, zip(*rates)):
                 print(f"{what}, {name}: " + ", ".join(f"{rate:.3g}" for rate in of_way))
