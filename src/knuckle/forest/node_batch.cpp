@@ -10,9 +10,9 @@ namespace {
 /// sent to each.
 constexpr std::int64_t kSamplesPerBatch = 1 << 18;
 constexpr std::int64_t kBytesPerBatch = std::int64_t{8} << 20;
-/// What the search of a node costs beside its samples, as many of them: 0.6 ms against 22 us each on one
-/// processor, 0.4 ms against 36 us on another, measured on levels of a pose forest with 10,000 candidates.
-constexpr std::int64_t kSamplesPerSearch = 16;
+/// What the search of a node costs beside its samples, as many of them: 0.6 ms against 22 us each, measured
+/// on levels of a pose forest with 10,000 candidates.
+constexpr std::int64_t kSamplesPerSearch = 27;
 
 std::vector<int> searchers(std::span<const NodeShare> nodes, int workers, const TreeOptions& options) {
   std::vector<int> searcher(nodes.size(), NodeBatch::kNobody);

@@ -29,7 +29,7 @@ TEST(NodeBatch, IsSearchedByHoldersAndByWhoHasTheLeastToDo) {
   const NodeBatch batch = next_batch(shares, 1, 2, 3, options_of(500));
   EXPECT_EQ(batch.first, 1u);
   EXPECT_EQ(batch.end, shares.size());
-  // Costs 216 of worker 0 and 516 of worker 2 at first; worker 1 takes 56, 76 and 26.
+  // Costs 227 of worker 0 and 527 of worker 2 at first; worker 1 takes 67, 87 and 37.
   EXPECT_EQ(batch.searcher, (std::vector<int>{NodeBatch::kNobody, 0, 1, NodeBatch::kNobody, 1, 1, 2}));
   EXPECT_FALSE(batch.is_shared(2, shares));
   EXPECT_TRUE(batch.is_shared(3, shares));

@@ -53,8 +53,8 @@ class SampleCuts {
     }
   }
 
-  /// Moves cuts that part no node to where all workers have equal costs, if one has 3 % too much: each by at
-  /// most a quarter of a part, so that no worker holds more than half more than its share.
+  /// Moves cuts that part no node to where all workers have equal costs, if one has an eighth too much: each
+  /// by at most an eighth of a part, so that no worker holds more than a quarter more than its share.
   /// `open`: in the order of the list.
   void balance(std::span<const OpenNode> open) {
     if (open.empty() || !part_no_node()) return;
@@ -62,7 +62,7 @@ class SampleCuts {
     for (const OpenNode& node : open) before.push_back(before.back() + node.cost);
     const std::int64_t largest = largest_cost(open, before);
     const std::int64_t workers = std::ssize(cuts_);
-    if (32 * workers * largest <= 33 * before.back()) return;
+    if (8 * workers * largest <= 9 * before.back()) return;
     const std::vector<std::int64_t> places = places_;
     for (std::int64_t k = 1; k < workers; ++k) {
       const std::int64_t cost = before.back() / workers * k;
@@ -100,7 +100,7 @@ class SampleCuts {
   /// near enough to cut k; where none is, where the cut lies.
   std::int64_t place_for(std::int64_t cost, std::size_t k, std::span<const OpenNode> open,
                          std::span<const std::int64_t> before) const {
-    const std::int64_t farthest = places_.back() / (4 * std::ssize(cuts_));
+    const std::int64_t farthest = places_.back() / (8 * std::ssize(cuts_));
     const auto begin = std::ranges::lower_bound(open, cuts_[k].wanted - farthest, {}, &OpenNode::first);
     const auto end = std::ranges::upper_bound(open, cuts_[k].wanted + farthest, {}, &OpenNode::first);
     if (begin == end) return places_[k];

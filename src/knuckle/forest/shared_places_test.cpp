@@ -236,22 +236,15 @@ TEST(SampleCuts, GoWhereTheWorkIs) {
   ASSERT_TRUE(cuts.part_no_node());
   cuts.balance(open);  // 400 and 200
   EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
-  open.back().cost = 180;
-  cuts.balance(open);  // 400 and 280 would be worse than 300 and 380
+  open.back().cost = 170;  // 300 and 370: less than an eighth too much
+  cuts.balance(open);
   EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
-  open.back().cost = 600;
-  cuts.balance(open);  // farther than a quarter of a part from 1,000 would be better still
+  open.back().cost = 180;
+  cuts.balance(open);  // 400 and 280 would be worse
+  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
+  open.back().cost = 400;
+  cuts.balance(open);  // farther than an eighth of a part from 1,000 would be better still
   EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 1100, 2000}));
-}
-
-TEST(SampleCuts, StayWhereLittleIsToBeGained) {
-  std::vector<OpenNode> open{{100, 300}, {900, 4}, {950, 4}, {1100, 300}};
-  SampleCuts cuts = cuts_between_nodes(2000, 2);
-  cuts.balance(open);  // 308 and 300
-  EXPECT_EQ(cuts.places()[1], 1000);
-  open[1].cost = open[2].cost = 12;
-  cuts.balance(open);  // 324 and 300
-  EXPECT_EQ(cuts.places()[1], 950);
 }
 
 TEST(SampleCuts, BalancedAreTheBestNearPlaces) {
@@ -286,12 +279,12 @@ TEST(SampleCuts, BalancedAreTheBestNearPlaces) {
       const std::int64_t place = places[static_cast<std::size_t>(k)];
       for (const OpenNode& node : open) {
         const bool is_near =
-            std::abs(node.first - equal[static_cast<std::size_t>(k)]) <= kTotal / (4 * workers);
+            std::abs(node.first - equal[static_cast<std::size_t>(k)]) <= kTotal / (8 * workers);
         if (is_near) {
           EXPECT_LE(distance(place, k), distance(node.first, k)) << workers << " workers, cut " << k;
         }
       }
-      EXPECT_LE(std::abs(place - equal[static_cast<std::size_t>(k)]), kTotal / (4 * workers));
+      EXPECT_LE(std::abs(place - equal[static_cast<std::size_t>(k)]), kTotal / (8 * workers));
     }
   }
   EXPECT_GT(moved, 100);
