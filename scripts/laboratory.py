@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What scripts that measure have in common: they run the program, and what it makes lies in one folder."""
+import argparse
 import csv
 import json
 import re
@@ -66,3 +67,14 @@ class Laboratory:
             with open(report / "frames.csv", encoding="utf-8") as file:
                 errors = {int(row["frame"]): float(row["mean_3d_mm"]) for row in csv.DictReader(file) if row["mean_3d_mm"]}
         return json.loads((report / "metrics.json").read_text()), errors
+
+
+def laboratory_and_recordings(description):
+    """As the command line says; no recordings: None."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/knuckle")
+    parser.add_argument("--recordings", type=Path)
+    parser.add_argument("--out", type=Path, required=True)
+    arguments = parser.parse_args()
+    recordings = arguments.recordings.resolve() if arguments.recordings else None
+    return Laboratory(arguments.program.resolve(), arguments.out.resolve()), recordings

@@ -9,15 +9,13 @@ mirror, and what is found where the hand is cut out. FOLDER gets the sets that a
 Recordings: the folder of kinect_gestures, kinect2_hand, table_cam2, table_cam4, table_cam6; without them they are left out.
 Needs python3-pil.
 """
-import argparse
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from laboratory import ROOT, Laboratory
+from laboratory import ROOT, laboratory_and_recordings
 
 EMPTY = {"rooms": ("validate_scenes", 2000, 0.0), "desks": ("validate_desks", 600, 0.0), "arms that end without a hand": ("validate_scenes", 200, 1.0)}
 WAYS = {"side auto": ("default", {}), "side right": ("default", {"side": '"right"'}), "careful": ("careful", {})}
@@ -39,7 +37,7 @@ def manifest_text(name):
 
 
 def records_of(lab, name, source, pipeline):
-    _, path, _ = lab.estimated(name, source, pipeline, "--threads", 2)
+    _, path, _ = lab.estimated(name, source, pipeline)
     return path, [json.loads(line) for line in path.read_text().splitlines()]
 
 
@@ -145,15 +143,10 @@ def hands_cut_out(lab, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/knuckle")
-    parser.add_argument("--recordings", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    arguments = parser.parse_args()
-    lab = Laboratory(arguments.program.resolve(), arguments.out.resolve())
-    if arguments.recordings:
-        sides(lab, arguments.recordings.resolve())
-        hands_cut_out(lab, arguments.recordings.resolve())
+    lab, folder = laboratory_and_recordings(__doc__.splitlines()[0])
+    if folder:
+        sides(lab, folder)
+        hands_cut_out(lab, folder)
     two_hands(lab)
     empty_rooms(lab)
 

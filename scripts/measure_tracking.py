@@ -8,15 +8,13 @@ Prints a line per figure. FOLDER gets the sets that are made (sequences with dro
 records, reports, and a strip of each sequence. Recordings: the folder of rgbd_sequence, table_cam2, table_cam4, table_cam6;
 without them they are left out. For the times nothing else should run. Needs python3-h5py.
 """
-import argparse
 import json
 import statistics
-from pathlib import Path
 
 import h5py
 import numpy as np
 
-from laboratory import ROOT, Laboratory
+from laboratory import ROOT, laboratory_and_recordings
 
 SEQUENCES = ("creative", "pico", "kinect_v2")
 SENSORS = ("creative", "pico", "kinect_v2", "d400")
@@ -170,12 +168,7 @@ def times(lab):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/knuckle")
-    parser.add_argument("--recordings", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    arguments = parser.parse_args()
-    lab = Laboratory(arguments.program.resolve(), arguments.out.resolve())
+    lab, folder = laboratory_and_recordings(__doc__.splitlines()[0])
     sequences(lab)
     times(lab)
     dropped_frames(lab)
@@ -183,8 +176,8 @@ def main():
     leaving_hand(lab)
     two_hands(lab)
     hidden_landmarks(lab)
-    if arguments.recordings:
-        recordings(lab, arguments.recordings.resolve())
+    if folder:
+        recordings(lab, folder)
 
 
 if __name__ == "__main__":
