@@ -423,22 +423,21 @@ void SharedTreeGrower<Features, Statistics>::add_children(std::size_t first_node
   tree_.shares.insert(tree_.shares.end(), shares.begin(), shares.end());
 }
 
-/// Moves the samples to where the list has them now, and cuts it where no small node is shared and all
-/// workers have as much to do.
+/// Moves the samples to where the list has them now, and cuts it where all workers have as much to do.
 template <SharedFeatures Features, SharedStatistics Statistics>
 void SharedTreeGrower<Features, Statistics>::move_samples(std::size_t level_begin) {
   std::vector<GrownNode<Feature>>& nodes = tree_.own.nodes;
   const std::vector<std::int64_t> cuts_before = cuts_.places();
-  const bool had_whole_nodes = cuts_.part_no_node();
-  cuts_.follow(nodes, tree_.shares);
+  bool is_any_shared = false;  // if none is, all lie where the list has them
   std::vector<OpenNode> open;
   for (std::size_t node = level_begin; node < nodes.size(); ++node) {
     const NodeShare& share = tree_.shares[node];
-    if (can_be_split(share, options_))
-      open.push_back({.first = share.first, .cost = search_cost(share, options_)});
+    is_any_shared = is_any_shared || share.holder == NodeShare::kSeveral;
+    if (!can_be_split(share, options_)) continue;
+    open.push_back({.first = share.first, .total = share.total, .cost = search_cost(share, options_)});
   }
-  cuts_.balance(open);
-  if (had_whole_nodes && cuts_.places() == cuts_before) return;
+  cuts_.follow(open);
+  if (!is_any_shared && cuts_.places() == cuts_before) return;
   std::vector<std::int64_t> places(tree_.own.samples.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].left >= 0) continue;

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "knuckle/core/random.h"
 #include "knuckle/core/testing.h"
 #include "knuckle/core/worker_group_testing.h"
 #include "knuckle/forest/mixed_hash.h"
-#include "knuckle/forest/sample_cuts.h"
 #include "knuckle/forest/sample_moves.h"
 
 namespace knuckle {
@@ -164,130 +162,6 @@ TEST(SharedPlaces, ASampleForAnotherWorkersPlaceIsRefused) {
       move();
     }
   });
-}
-
-struct TestNode {
-  std::int32_t left = -1;
-};
-
-TEST(SampleCuts, HalveTheListAndLeaveSmallNodesWhole) {
-  SampleCuts cuts(std::vector<std::int64_t>{0, 900, 1300}, 3000);  // small: 3000 / 24 = 125
-  std::vector<TestNode> nodes{{1}, {-1}, {-1}};
-  std::vector<NodeShare> shares{
-      {.first = 0, .total = 3000}, {.first = 0, .total = 1600}, {.first = 1600, .total = 1400}};
-  EXPECT_FALSE(cuts.part_no_node());
-  cuts.follow(nodes, shares);
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 1000, 2000, 3000}));
-  // The first cut goes through a node of 100, nearer to its end; the second meets an end.
-  nodes[1].left = 3;
-  nodes[2].left = 5;
-  nodes.resize(7);
-  shares.insert(shares.end(), {{.first = 0, .total = 920},
-                               {.first = 920, .total = 680},
-                               {.first = 1600, .total = 400},
-                               {.first = 2000, .total = 1000}});
-  cuts.follow(nodes, shares);
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 1000, 2000, 3000}));
-  EXPECT_FALSE(cuts.part_no_node());
-  nodes[4].left = 7;
-  nodes.resize(9);
-  shares.insert(shares.end(), {{.first = 920, .total = 110}, {.first = 1030, .total = 570}});
-  cuts.follow(nodes, shares);
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 1030, 2000, 3000}));
-  EXPECT_TRUE(cuts.part_no_node());
-}
-
-/// What the open nodes of each part cost.
-std::vector<std::int64_t> costs_of_parts(std::span<const std::int64_t> places,
-                                         std::span<const OpenNode> open) {
-  std::vector<std::int64_t> costs(places.size() - 1);
-  for (const OpenNode& node : open) {
-    for (std::size_t k = 0; k < costs.size(); ++k) {
-      if (node.first >= places[k] && node.first < places[k + 1]) costs[k] += node.cost;
-    }
-  }
-  return costs;
-}
-
-/// Two parts or more, each of nodes of its own.
-SampleCuts cuts_between_nodes(std::int64_t total, int workers) {
-  std::vector<std::int64_t> begin = equal_cuts(total, workers);
-  begin.pop_back();
-  SampleCuts cuts(begin, total);
-  std::vector<TestNode> nodes(1);
-  std::vector<NodeShare> shares{{.first = 0, .total = total}};
-  for (std::size_t k = 1; k < begin.size(); ++k) {
-    nodes.back().left = static_cast<std::int32_t>(nodes.size());
-    nodes.insert(nodes.end(), {TestNode{}, TestNode{}});
-    shares.push_back({.first = begin[k - 1], .total = begin[k] - begin[k - 1]});
-    shares.push_back({.first = begin[k], .total = total - begin[k]});
-  }
-  cuts.follow(nodes, shares);
-  return cuts;
-}
-
-TEST(SampleCuts, GoWhereTheWorkIs) {
-  std::vector<OpenNode> open{{100, 100}, {500, 100}, {800, 100}, {900, 100}, {1100, 100}, {1900, 100}};
-  SampleCuts whole(std::vector<std::int64_t>{0, 1000}, 2000);
-  whole.balance(open);
-  EXPECT_EQ(whole.places()[1], 1000) << "the cut parts a node";
-
-  SampleCuts cuts = cuts_between_nodes(2000, 2);
-  ASSERT_TRUE(cuts.part_no_node());
-  cuts.balance(open);  // 400 and 200
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
-  open.back().cost = 170;  // 300 and 370: less than an eighth too much
-  cuts.balance(open);
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
-  open.back().cost = 180;
-  cuts.balance(open);  // 400 and 280 would be worse
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 900, 2000}));
-  open.back().cost = 400;
-  cuts.balance(open);  // farther than an eighth of a part from 1,000 would be better still
-  EXPECT_EQ(cuts.places(), (std::vector<std::int64_t>{0, 1100, 2000}));
-}
-
-TEST(SampleCuts, BalancedAreTheBestNearPlaces) {
-  Random random(5);
-  int moved = 0;
-  constexpr std::int64_t kTotal = 10000;
-  for (int round = 0; round < 200; ++round) {
-    const int workers = 2 + round % 4;
-    SampleCuts cuts = cuts_between_nodes(kTotal, workers);
-    const std::vector<std::int64_t> equal = cuts.places();
-    ASSERT_EQ(equal, equal_cuts(kTotal, workers));
-    std::vector<OpenNode> open;
-    for (std::int64_t first = 0; first < kTotal; first += 1 + random.below(60)) {
-      // Fewer and fewer towards the end of the list: the first worker has too much.
-      if (random.below(12000) < first) continue;
-      open.push_back({.first = first, .cost = 1 + random.below(50)});
-    }
-    const std::vector<std::int64_t> costs = costs_of_parts(equal, open);
-    const std::int64_t all = std::accumulate(costs.begin(), costs.end(), std::int64_t{0});
-    cuts.balance(open);
-    const std::vector<std::int64_t>& places = cuts.places();
-    ASSERT_TRUE(std::ranges::is_sorted(places));
-    EXPECT_LE(std::ranges::max(costs_of_parts(places, open)), std::ranges::max(costs));
-    if (places == equal) continue;
-    ++moved;
-    const auto distance = [&](std::int64_t place, int k) {
-      std::int64_t before = 0;
-      for (const OpenNode& node : open) before += node.first < place ? node.cost : 0;
-      return std::abs(before - all / workers * k);
-    };
-    for (int k = 1; k < workers; ++k) {
-      const std::int64_t place = places[static_cast<std::size_t>(k)];
-      for (const OpenNode& node : open) {
-        const bool is_near =
-            std::abs(node.first - equal[static_cast<std::size_t>(k)]) <= kTotal / (8 * workers);
-        if (is_near) {
-          EXPECT_LE(distance(place, k), distance(node.first, k)) << workers << " workers, cut " << k;
-        }
-      }
-      EXPECT_LE(std::abs(place - equal[static_cast<std::size_t>(k)]), kTotal / (8 * workers));
-    }
-  }
-  EXPECT_GT(moved, 100);
 }
 
 TEST(WorkerMessages, EndEarlyWithAnError) {
