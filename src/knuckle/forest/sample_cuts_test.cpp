@@ -53,7 +53,7 @@ TEST(SampleCuts, PartALargeNodeWhereElseOneWorkerHasTooMuch) {
   // 10 and 14 are not, but the node in the middle is small.
   EXPECT_EQ(cuts_of(8000, 2, {{0, 3800, 1000}, {3800, 400, 400}, {4200, 3800, 1000}}),
             (Places{0, 3800, 8000}));
-  // Another is small for many workers, whose parts are large beside it, and large for few samples.
+  // The same node is large where a part has fewer samples: more than an eighth of it.
   EXPECT_EQ(cuts_of(6000, 2, {{0, 2800, 1000}, {2800, 400, 400}, {3200, 2800, 1000}}),
             (Places{0, 3000, 6000}));
 }
