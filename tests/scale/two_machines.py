@@ -61,6 +61,11 @@ class Machines:
         """What is sent is lost, and nobody is told, as behind a switch whose other cable is pulled: frames go to a card that is not there."""
         self._neighbours("replace", "lladdr", "02:00:00:00:00:99", "nud", "permanent")
 
+    def slow_down(self, megabits):
+        """From now on the cable carries so many per second each way."""
+        for machine in (0, 1):
+            run(*self.on(machine, ["tc", "qdisc", "replace", "dev", CABLE, "root", "tbf", "rate", f"{megabits}mbit", "burst", "1mb", "latency", "50ms"]))
+
     def mend(self):
         self._neighbours("del")
 

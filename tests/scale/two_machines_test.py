@@ -11,7 +11,7 @@ import time
 from forest_workers_test import KINDS, ForestPlace
 from training_testing import ended, failed_with, run_case, succeeded
 from two_machines import ADDRESSES, enter_first_machine, two_machines
-from workers_test import NetworkPlace
+from workers_test import LARGE_NETWORK, NetworkPlace
 from workers_testing import free_port, met
 
 LONG = {"epochs": 40, "every": 12}  # 60 steps
@@ -55,8 +55,12 @@ def pulled_and_put_back(place):
 
 
 def pulled_for_good(place):
+    def large(out, workers, *more):
+        return place.command(out, workers, *more, network=LARGE_NETWORK, size=96, **LONG)
+
     with two_machines() as machines:
-        for name, command in itertools.islice(place.trainings(), 2):  # forests of all kinds talk in one way
+        # Forests of all kinds talk in one way; large networks also while they compute.
+        for name, command in (*itertools.islice(place.trainings(), 2), ("large.pt", large)):
             workers = place.start_on_both(machines, command(name, 2, *WAIT))
             place.wait_for_checkpoint(name, workers[0])
             machines.cut()

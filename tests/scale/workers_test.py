@@ -24,37 +24,51 @@ validation = 'synthetic:{manifest}?first=12&count=4'
 start = 'truth'
 [patch]
 mode = 'cube'
-size_px = 32
+size_px = {size}
 [samples]
-crop_px = 48
-""" + SMALL_NETWORK + """
+crop_px = {crop}
+{network}
 [training]
 epochs = {epochs}
 batch_size = 8
 shards = 4
 validate_every = {every}
 """
+# Gradients of 4 and 8 MB, which go by themselves while those before them are computed.
+LARGE_NETWORK = """
+[network]
+convention = 'icg20'
+architecture = 'regression'
+first_maps = 4
+second_maps = 8
+hidden_units = 1024
+"""
 
 
 class NetworkPlace(WorkersPlace):
     """A place with a configuration of a network."""
 
-    def command(self, out, workers, *more, epochs=6, every=2, config="train.toml"):
-        text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs, every=every)
+    def command(self, out, workers, *more, epochs=6, every=2, config="train.toml", network=SMALL_NETWORK, size=32):
+        text = CONFIG.format(manifest=PROJECT / "manifests/demo.toml", epochs=epochs, every=every, network=network, size=size,
+                             crop=3 * size // 2)
         (self.folder / config).write_text(text)
         return [self.program, "train", "network", "--config", self.folder / config, "--out", self.folder / out, "--workers",
                 str(workers), "--cache", self.folder / "cache", *more]
 
 
-def same_bytes(place):
+def same_bytes(place, **network):
     for workers in (1, 2, 4):
-        succeeded(place.start(place.command(f"{workers}.pt", workers)))
+        succeeded(place.start(place.command(f"{workers}.pt", workers, **network)))
         place.assert_all_end()
     assert place.bytes_of("1.pt") == place.bytes_of("2.pt") == place.bytes_of("4.pt")
     # The metrics, but for the two that are times.
     metrics = [[line.split(",")[:-2] for line in place.bytes_of(f"{workers}.pt.metrics.csv").decode().splitlines()]
                for workers in (1, 2, 4)]
     assert metrics[0] == metrics[1] == metrics[2], metrics
+
+
+def same_bytes_large(place):
+    same_bytes(place, network=LARGE_NETWORK, size=96)
 
 
 def resumed(place):
@@ -180,5 +194,5 @@ def slurm(place):
 
 
 if __name__ == "__main__":
-    run_case(NetworkPlace, same_bytes, resumed, lost_worker, interrupted_while_it_starts, missing_worker, other_options, full_disk,
-             slurm)
+    run_case(NetworkPlace, same_bytes, same_bytes_large, resumed, lost_worker, interrupted_while_it_starts, missing_worker, other_options,
+             full_disk, slurm)

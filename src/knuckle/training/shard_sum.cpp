@@ -124,16 +124,17 @@ torch::Tensor ShardSum::summed_part(const std::vector<torch::Tensor>& own) {
 std::vector<double> ShardSum::share(const torch::Tensor& part, std::span<const double> losses,
                                     torch::Tensor& whole) {
   const int workers = workers_.size();
+  const std::int64_t numbers_per_loss = losses.empty() ? 0 : kNumbersPerLoss;
   const torch::Tensor own = torch::cat({part, numbers_of(losses).to(part.device())});
   std::vector<std::int64_t> received_counts;
   for (int worker = 0; worker < workers; ++worker) {
     received_counts.push_back(part_of_worker(whole.numel(), worker, workers).size() +
-                              shards_of(worker).size() * kNumbersPerLoss);
+                              shards_of(worker).size() * numbers_per_loss);
   }
   const torch::Tensor received = exchange_->exchange(
       own.repeat({workers}), std::vector<std::int64_t>(static_cast<std::size_t>(workers), own.numel()),
       std::move(received_counts));
-  std::vector<double> all_losses(static_cast<std::size_t>(shards_));
+  std::vector<double> all_losses(losses.empty() ? 0 : static_cast<std::size_t>(shards_));
   std::int64_t next = 0;
   const auto taken = [&](std::int64_t count) {
     next += count;
@@ -143,6 +144,7 @@ std::vector<double> ShardSum::share(const torch::Tensor& part, std::span<const d
     const PartOfWork numbers = part_of_worker(whole.numel(), worker, workers);
     const PartOfWork shards = shards_of(worker);
     whole.narrow(0, numbers.begin, numbers.size()).copy_(taken(numbers.size()));
+    if (losses.empty()) continue;
     set_losses(std::span(all_losses)
                    .subspan(static_cast<std::size_t>(shards.begin), static_cast<std::size_t>(shards.size())),
                taken(shards.size() * kNumbersPerLoss));

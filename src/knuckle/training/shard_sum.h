@@ -28,7 +28,7 @@ class ShardSum {
 
   /// `own`: for each shard of this worker a list of tensors of 32-bit numbers, of the same shapes for all
   /// shards of all workers. Sets the first list to the sums. Returns the losses of all shards, of which
-  /// `losses` are this worker's.
+  /// `losses` are this worker's; none where no worker tells them.
   std::vector<double> sum(const std::vector<std::vector<torch::Tensor>>& own, std::span<const double> losses);
 
  private:

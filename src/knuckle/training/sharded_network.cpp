@@ -13,10 +13,7 @@ namespace knuckle {
 ShardedNetwork::ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int shards,
                                const torch::Device& device, WorkerGroup* workers)
     : device_(device), shard_count_(shards), part_{0, shards} {
-  if (workers != nullptr) {
-    part_ = part_of_worker(shards, workers->rank(), workers->size());
-    among_workers_.emplace(*workers, shards, device);
-  }
+  if (workers != nullptr) part_ = part_of_worker(shards, workers->rank(), workers->size());
   for (std::int64_t i = part_.begin; i < part_.end; ++i) {
     shards_.push_back(task.make_module(seed));
     shards_.back()->to(device);
@@ -26,6 +23,10 @@ ShardedNetwork::ShardedNetwork(const TrainingTask& task, std::uint64_t seed, int
     for (std::size_t p = 0; p < own.size(); ++p) own[p].set_data(shared[p].detach());
   }
   pieces_ = TensorPieces(parameters());
+  if (workers == nullptr) return;
+  std::vector<std::vector<torch::Tensor>> parameters;
+  for (const std::shared_ptr<TrainableModule>& shard : shards_) parameters.push_back(shard->parameters());
+  among_workers_.emplace(*workers, shards, device, std::move(parameters));
 }
 
 void ShardedNetwork::compute_in(torch::ScalarType type) {
@@ -33,19 +34,25 @@ void ShardedNetwork::compute_in(torch::ScalarType type) {
 }
 
 double ShardedNetwork::backward(TrainingBatch& batch, std::uint64_t seed) {
+  std::vector<double> losses;
+  if (among_workers_) {
+    losses = backward_among_workers(batch, seed);
+  } else {
+    losses = backward_shards(batch, seed);
+    sum_gradients();
+    average_buffers();
+  }
+  return std::accumulate(losses.begin(), losses.end(), 0.0);
+}
+
+std::vector<double> ShardedNetwork::backward_shards(TrainingBatch& batch, std::uint64_t seed) {
   std::vector<double> losses(shards_.size());
   parallel_for(std::ssize(shards_), [&](std::int64_t i) {
     const auto shard = static_cast<std::size_t>(i);
     shards_[shard]->seed_dropout(derived_seed(seed, static_cast<std::uint64_t>(part_.begin + i)));
     losses[shard] = backward_shard(batch, shard);
   });
-  if (among_workers_) {
-    losses = sum_among_workers(losses);
-  } else {
-    sum_gradients();
-    average_buffers();
-  }
-  return std::accumulate(losses.begin(), losses.end(), 0.0);
+  return losses;
 }
 
 double ShardedNetwork::backward_shard(TrainingBatch& batch, std::size_t shard) {
@@ -80,23 +87,22 @@ void ShardedNetwork::sum_gradients() {
   });
 }
 
-/// Gradients and statistics in one sum; the losses of all shards.
-std::vector<double> ShardedNetwork::sum_among_workers(const std::vector<double>& losses) {
-  const torch::NoGradGuard no_gradient;
-  std::vector<std::vector<torch::Tensor>> terms;
+std::vector<double> ShardedNetwork::backward_among_workers(TrainingBatch& batch, std::uint64_t seed) {
+  std::vector<std::vector<torch::Tensor>> statistics;
   for (const std::shared_ptr<TrainableModule>& shard : shards_) {
-    std::vector<torch::Tensor>& own = terms.emplace_back();
-    for (const torch::Tensor& parameter : shard->parameters()) own.push_back(parameter.grad());
+    std::vector<torch::Tensor>& own = statistics.emplace_back();
     for (const torch::Tensor& buffer : shard->buffers()) {
       if (buffer.is_floating_point()) own.push_back(buffer);
     }
   }
-  std::vector<double> all_losses = among_workers_->sum(terms, losses);
+  std::vector<double> losses =
+      among_workers_->sum([&] { return backward_shards(batch, seed); }, std::move(statistics));
+  const torch::NoGradGuard no_gradient;
   for (const torch::Tensor& buffer : buffers()) {
     if (buffer.is_floating_point()) buffer.div_(static_cast<double>(shard_count_));
   }
   share_buffers();
-  return all_losses;
+  return losses;
 }
 
 void ShardedNetwork::average_buffers() {

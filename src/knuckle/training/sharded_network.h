@@ -10,7 +10,7 @@
 
 #include "knuckle/core/worker_group.h"
 #include "knuckle/training/batch_loader.h"
-#include "knuckle/training/shard_sum.h"
+#include "knuckle/training/gradient_sum.h"
 #include "knuckle/training/tensor_pieces.h"
 #include "knuckle/training/training_task.h"
 
@@ -39,16 +39,18 @@ class ShardedNetwork {
   void share_buffers();
 
  private:
+  std::vector<double> backward_shards(TrainingBatch& batch, std::uint64_t seed);
   double backward_shard(TrainingBatch& batch, std::size_t shard);
   void sum_gradients();
   void average_buffers();
-  std::vector<double> sum_among_workers(const std::vector<double>& losses);
+  /// Of all shards, with their gradients and statistics summed.
+  std::vector<double> backward_among_workers(TrainingBatch& batch, std::uint64_t seed);
 
   torch::Device device_;
   int shard_count_;  // of all workers
   PartOfWork part_;  // of the shards, this process's
-  std::optional<ShardSum> among_workers_;
   std::vector<std::shared_ptr<TrainableModule>> shards_;
+  std::optional<GradientSum> among_workers_;
   TensorPieces pieces_{{}};
 };
 
