@@ -19,10 +19,11 @@ std::vector<Norm*> norms_of(TrainableModule& network) {
 }
 
 template <class Norm>
-void reset(const std::vector<Norm*>& norms) {
+void begin_measuring(const std::vector<Norm*>& norms) {
   for (Norm* const norm : norms) {
     norm->reset_running_stats();
     norm->options.momentum().reset();  // the mean over all batches, not a moving one
+    norm->train();
   }
 }
 
@@ -41,9 +42,9 @@ void measure_norm_statistics(TrainableModule& network, BatchPlan plan, int batch
   const auto of_maps = norms_of<torch::nn::BatchNorm2dImpl>(network);
   const auto of_units = norms_of<torch::nn::BatchNorm1dImpl>(network);
   if (of_maps.empty() && of_units.empty()) return;
-  reset(of_maps);
-  reset(of_units);
-  network.train();
+  network.eval();  // norms alone are in training: what they see in use was not thinned out by dropout
+  begin_measuring(of_maps);
+  begin_measuring(of_units);
   for (int i = 0; i < batches; ++i) {
     TrainingBatch batch = plan.batch(i);
     network.forward(inputs_of(batch, device));
