@@ -45,6 +45,12 @@ TEST(NodeBatch, ASearchCostsSomethingWithFewSamplesToo) {
   EXPECT_EQ(search_cost(node_of(1000, 0), options_of(500)), search_cost(node_of(500, 0), options_of(500)));
 }
 
+TEST(NodeBatch, DealsTheCostliestFirst) {
+  const std::vector<NodeShare> shares{node_of(50, kSeveral), node_of(60, kSeveral), node_of(70, kSeveral),
+                                      node_of(300, kSeveral)};
+  EXPECT_EQ(next_batch(shares, 0, 2, 2, options_of(500)).searcher, (std::vector<int>{1, 1, 1, 0}));
+}
+
 TEST(NodeBatch, FollowsOneAnotherAndHoldsAsManySharedNodesForEachWorker) {
   Random random(2);
   std::vector<NodeShare> shares;
@@ -54,8 +60,8 @@ TEST(NodeBatch, FollowsOneAnotherAndHoldsAsManySharedNodesForEachWorker) {
   const TreeOptions options = options_of(5000);
   constexpr std::int64_t kEntryBytes = 500;
   constexpr int kWorkers = 3;
-  // What is sent to each is at most 8 MB, and a node more for each that makes the number even.
-  constexpr std::int64_t kMostSamples = ((std::int64_t{8} << 20) / kEntryBytes + 5000) * kWorkers;
+  // What is sent to each is at most 16 MB, and a node more for each that makes the number even.
+  constexpr std::int64_t kMostSamples = ((std::int64_t{16} << 20) / kEntryBytes + 5000) * kWorkers;
   std::size_t next = 0;
   int batches = 0;
   while (next < shares.size()) {
