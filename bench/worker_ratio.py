@@ -84,9 +84,9 @@ def train(program, kind, text, way, folder):
     return subprocess.run([program, "train", kind, "--config", config, "--out", model, *way], check=True, text=True, capture_output=True).stdout
 
 
-def steps_per_second(program, way, folder):
+def steps_per_second(program, way, folder, text=NETWORK):
     """The median over the rows of the metrics but the first, which waits for memory and processors to warm up."""
-    train(program, "network", NETWORK, way, folder)
+    train(program, "network", text, way, folder)
     with open(folder / "trained.model.metrics.csv", encoding="utf-8") as file:
         rates = [float(row["samples_per_second"]) for row in csv.DictReader(file)]
     return statistics.median(rates[1:])

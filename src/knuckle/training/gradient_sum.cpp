@@ -14,14 +14,18 @@ namespace knuckle {
 
 GradientSum::GradientSum(WorkerGroup& workers, int shards, const torch::Device& device,
                          std::vector<std::vector<torch::Tensor>> parameters, std::int64_t part_bytes)
-    : sum_(workers, shards, device), parameters_(std::move(parameters)) {
+    : device_(device),
+      sum_(workers, shards, device),
+      beside_(device),
+      summed_(device),
+      parameters_(std::move(parameters)) {
   const std::vector<torch::Tensor>& first = parameters_.front();
   std::int64_t bytes = 0;
   for (std::size_t p = first.size(); p-- > 0;) {
     first_layers_.push_back(p);
     bytes += static_cast<std::int64_t>(first[p].nbytes());
     if (bytes < part_bytes || p == 0) continue;
-    parts_.push_back({.parameters = std::exchange(first_layers_, {})});
+    parts_.push_back({.parameters = std::exchange(first_layers_, {}), .known = DeviceMark(device_)});
     bytes = 0;
   }
   for (std::size_t part = 0; part < parts_.size(); ++part) watch_gradients(part);
@@ -64,6 +68,7 @@ std::vector<double> GradientSum::sum(const std::function<std::vector<double>()>&
       throw;
     }
     parts.get();
+    summed_.wait();
   }
   const std::vector<std::vector<torch::Tensor>> gradients = gradients_of(first_layers_);
   for (std::size_t shard = 0; shard < others.size(); ++shard) {
@@ -81,6 +86,7 @@ void GradientSum::count_gradient(std::size_t part) {
   {
     const std::lock_guard lock(mutex_);
     if (--parts_[part].missing > 0) return;
+    parts_[part].known.set();
   }
   changed_.notify_one();
 }
@@ -88,10 +94,13 @@ void GradientSum::count_gradient(std::size_t part) {
 /// All workers sum the parts in this order, whichever is there first.
 void GradientSum::sum_parts() {
   use_calling_thread_alone();
-  for (const Part& part : parts_) {
+  const auto used = beside_.used();
+  for (Part& part : parts_) {
     if (!wait_for(part)) return;
+    part.known.wait();
     sum_.sum(gradients_of(part.parameters), {});
   }
+  summed_.set();
 }
 
 /// Whether it is there; no longer where `backward` has failed.

@@ -14,6 +14,7 @@
 
 #include "knuckle/core/worker_group.h"
 #include "knuckle/training/shard_sum.h"
+#include "knuckle/training/side_stream.h"
 
 namespace torch::autograd {
 struct Node;
@@ -49,6 +50,7 @@ class GradientSum {
   /// Parameters whose gradients go together.
   struct Part {
     std::vector<std::size_t> parameters;
+    DeviceMark known;         ///< when they are
     std::size_t missing = 0;  ///< gradients of all shards that are not there yet
   };
 
@@ -60,7 +62,10 @@ class GradientSum {
   void end_early();
   std::vector<std::vector<torch::Tensor>> gradients_of(const std::vector<std::size_t>& which) const;
 
+  torch::Device device_;
   ShardSum sum_;
+  SideStream beside_;
+  DeviceMark summed_;
   std::vector<std::vector<torch::Tensor>> parameters_;
   std::vector<Part> parts_;
   std::vector<std::size_t> first_layers_;
