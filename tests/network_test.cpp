@@ -12,6 +12,7 @@ namespace knuckle::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -185,6 +186,21 @@ TEST_F(OwnDataTest, BeginsWithAnotherNetworkAndEndsEarly) {
   ASSERT_THAT(run, Succeeded());
   EXPECT_THAT(run.out, AllOf(HasSubstr("before training: validation"), HasSubstr("time left"),
                              HasSubstr("ended early: 1 validations")));
+}
+
+TEST_F(NetworkTest, IsTrainedByTheKernelsOfThisProcessor) {
+  ASSERT_EQ(::setenv("OPENBLAS_VERBOSE", "2", 1), 0);  // it then says which it has chosen
+  const ProgramRun run =
+      run_program({"train", "network", "--config", path("none.toml"), "--out", path("net.pt")});
+  ::unsetenv("OPENBLAS_VERBOSE");
+  const std::size_t last = run.error.rfind("Core: ");
+  if (last == std::string::npos)
+    GTEST_SKIP() << "the system's BLAS is not OpenBLAS, or has kernels of one kind";
+  const std::string kernels = run.error.substr(last, run.error.find('\n', last) - last);
+#if defined(__x86_64__)
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP() << "an old processor";
+#endif
+  EXPECT_THAT(kernels, Not(AnyOf("Core: Prescott", "Core: Nehalem", "Core: Sandybridge")));
 }
 
 TEST_F(NetworkTest, IsTrainedAndFindsPoses) {

@@ -19,6 +19,7 @@
 #include "knuckle/forest/forest_growth.h"
 #include "knuckle/pipeline/stopwatch.h"
 #include "knuckle/storage/file_io.h"
+#include "knuckle/training/blas_kernels.h"
 #include "knuckle/training/detector_training.h"
 #include "knuckle/training/network_training_config.h"
 #include "knuckle/training/torch_device.h"
@@ -237,6 +238,7 @@ void add_verbs(CLI::App& program) {
 }  // namespace knuckle::cli
 
 int main(int count, char** arguments) {
+  knuckle::use_better_blas_kernels(arguments);
   return knuckle::cli::run_program("Trains networks for `knuckle train network`.", knuckle::cli::add_verbs,
                                    count, arguments);
 }
