@@ -59,9 +59,11 @@ int main(int count, char** arguments) {
     const auto workers = static_cast<int>(knuckle::parse_integer(words[1], "WORKERS"));
     const int shards = count == 3 ? static_cast<int>(knuckle::parse_integer(words[2], "SHARDS")) : workers;
     if (workers < 2 || shards < workers) knuckle::fail("expected at least 2 workers, and as many shards");
-    knuckle::keep_freed_memory();  // as in training
     knuckle::work_together({.workers = workers, .command_line = words, .traits = {}, .advice = "start again"},
-                           [&](knuckle::WorkerGroup* group) { knuckle::measure(*group, shards); });
+                           [&](knuckle::WorkerGroup* group) {
+                             knuckle::keep_freed_memory();  // as in training
+                             knuckle::measure(*group, shards);
+                           });
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -4,8 +4,8 @@
 
     /usr/bin/python3 bench/scale_check.py [--build build/release] [--frames 12000]
 
-Rendering in parts, training `dense`, and growing a pose forest. What one process takes and what messages cost here is measured, the rest
-computed; processes beyond the number of cores share them. Nothing else should run meanwhile.
+Rendering in parts, training `dense`, and growing a pose forest. What a core takes while all are busy, what a start takes and what messages
+cost here is measured, the rest computed; processes beyond the number of cores share them. Nothing else should run meanwhile.
 """
 import argparse
 import dataclasses
@@ -59,6 +59,38 @@ def print_beside(what, unit, said, measured):
               f"ratio {measured[processes] / said[processes]:.2f}", flush=True)
 
 
+def shared_by_cores(of_workers, costs, cores):
+    """What the model says of a core per process, where processes share `cores`; messages are those of all."""
+    return {n: of_workers(costs, n) + (1.0 / min(n, cores) - 1.0 / n) * of_workers(costs, 1) for n in PROCESSES}
+
+
+def check_rendering(program, folder, costs, frames, cores):
+    start = rendering_time(program, folder, cores, cores)
+    all_busy = rendering_time(program, folder, frames, cores)
+    print(f"a start takes {start:.2f} s")
+    costs = dataclasses.replace(costs, start_s=start, render_s=cores * (all_busy - start) / frames)
+    more_starts = {n: start * max(0.0, n / cores - 1.0) for n in PROCESSES}
+    print_beside("rendering", "s", {n: scale_model.rendering_s(costs, frames, min(n, cores)) + more_starts[n] for n in PROCESSES},
+                 {n: rendering_time(program, folder, frames, n) for n in PROCESSES})
+
+
+def check_training(program, folder, costs, cores):
+    network = NETWORK.replace("shards = 2", f"shards = {SHARDS}").replace("epochs = 4", "epochs = 2")
+    of_core = steps_per_second(program, ["--threads", str(cores)], folder, network) / cores
+    costs = dataclasses.replace(costs, samples_per_core_s=of_core)
+    print_beside("a step of dense", "s", shared_by_cores(scale_model.step_s, costs, cores),
+                 {n: costs.batch / steps_per_second(program, way(n), folder, network) for n in PROCESSES})
+
+
+def check_forest(program, folder, costs, frames, cores):
+    def tree_time(options):
+        return 1.0 / trees_per_second("pose-forest", POSE_FOREST, program, options, folder)
+
+    costs = dataclasses.replace(costs, tree_s=cores * tree_time(["--threads", str(cores)]) / frames)
+    print_beside("a tree of the pose forest", "s", shared_by_cores(lambda c, n: scale_model.forest_tree_s(c, frames, n), costs, cores),
+                 {n: tree_time(way(n)) for n in PROCESSES})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
@@ -68,29 +100,13 @@ def main():
     program, frames, cores = binaries / "knuckle", arguments.frames, len(os.sched_getaffinity(0))
     costs = measured_costs(binaries / "knuckle_exchange_time")
     print(f"{cores} cores; messages: {1e3 * costs.latency_s:.2f} ms and {costs.link_bytes_s / 1e6:.0f} MB/s")
-
-    def said(of_workers, scaled):
-        """Work is shared by the cores that there are; messages are those of all workers."""
-        return {n: of_workers(scaled, n) + (1.0 / min(n, cores) - 1.0 / n) * of_workers(scaled, 1) for n in PROCESSES}
-
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        times = {n: rendering_time(program, folder, frames, n) for n in PROCESSES}
-        (folder / "part0.h5").unlink()
+        check_rendering(program, folder, costs, frames, cores)
         subprocess.run([program, "render", "--manifest", ROOT / "manifests/small_pictures.toml", "--count", str(frames), "--out", folder / "frames.h5"],
                        check=True, stdout=subprocess.DEVNULL)
-        scaled = dataclasses.replace(costs, render_s=times[1] / frames)
-        print_beside("rendering", "s", said(lambda c, n: scale_model.rendering_s(c, frames, n), scaled), times)
-
-        network = NETWORK.replace("shards = 2", f"shards = {SHARDS}").replace("epochs = 4", "epochs = 2")
-        rates = {n: steps_per_second(program, way(n), folder, network) for n in PROCESSES}
-        steps = {n: costs.batch / rate for n, rate in rates.items()}
-        scaled = dataclasses.replace(costs, samples_per_core_s=rates[1])
-        print_beside("a step of dense", "s", said(scale_model.step_s, scaled), steps)
-
-        trees = {n: 1.0 / trees_per_second("pose-forest", POSE_FOREST, program, way(n), folder) for n in PROCESSES}
-        scaled = dataclasses.replace(costs, tree_s=trees[1] / frames)
-        print_beside("a tree of the pose forest", "s", said(lambda c, n: scale_model.forest_tree_s(c, frames, n), scaled), trees)
+        check_training(program, folder, costs, cores)
+        check_forest(program, folder, costs, frames, cores)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ class Costs:
     """Measured here, but for those marked as assumed."""
 
     render_s: float = 2.8e-3  # processor time per frame of 320 x 240 (docs/scale.md)
+    start_s: float = 1.0  # until a process renders its first frame
     join_s: float = 1.1e-3  # per frame, on one core
     frame_bytes: float = 14e3  # on the disk
     sample_bytes: float = 20.7e3  # of a cut-out hand in memory (CubeSamples)
@@ -57,7 +58,7 @@ def step_s(costs, workers):
 
 
 def rendering_s(costs, frames, workers):
-    return costs.render_s * frames / workers
+    return costs.start_s + costs.render_s * frames / workers
 
 
 def training_s(costs, samples, workers):
@@ -84,7 +85,7 @@ def forest_tree_s(costs, samples, workers):
 def render_with_failures(costs, frames, workers, parts, draw):
     """An array of parts, each taken by the next free worker. A failed worker comes back after the restart and goes on with its
     part where it was: rendering keeps each written frame. Returns the time until the last part is done [s]."""
-    part_s = costs.render_s * frames / parts
+    part_s = rendering_s(costs, frames, parts)
     free = [0.0] * workers
     heapq.heapify(free)
     last = 0.0

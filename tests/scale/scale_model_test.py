@@ -20,7 +20,7 @@ class Rendering(unittest.TestCase):
     def test_without_spread_and_failures_takes_the_parts_of_the_busiest_worker(self):
         calm = MODEL.Costs(spread=0.0, failure_h=1e12)
         for parts, workers in ((8, 4), (9, 4), (3, 5)):
-            part_s = calm.render_s * 1000 / parts
+            part_s = calm.start_s + calm.render_s * 1000 / parts
             took = MODEL.render_with_failures(calm, 1000, workers, parts, random.Random(1))
             self.assertAlmostEqual(took, part_s * math.ceil(parts / workers), places=9)
 

@@ -46,8 +46,9 @@ std::unique_ptr<TensorExchange> exchange_of(WorkerGroup& workers, const torch::D
   return exchange ? std::move(exchange) : std::make_unique<ByteExchange>(workers);
 }
 
-/// All numbers of a list, one tensor after another.
+/// All numbers of a list, one tensor after another; where they lie so, they are not copied.
 torch::Tensor flat(const std::vector<torch::Tensor>& tensors) {
+  if (tensors.size() == 1 && tensors.front().is_contiguous()) return tensors.front().view({-1});
   std::int64_t length = 0;
   for (const torch::Tensor& tensor : tensors) length += tensor.numel();
   torch::Tensor values = torch::empty({length}, tensors.front().options());
@@ -93,8 +94,8 @@ std::vector<double> ShardSum::sum(const std::vector<std::vector<torch::Tensor>>&
     const auto shard = static_cast<std::size_t>(i);
     values[shard] = flat(own[shard]);
   });
-  torch::Tensor whole = torch::empty_like(values.front());
-  std::vector<double> all_losses = share(summed_part(values), losses, whole);
+  torch::Tensor whole;
+  std::vector<double> all_losses = share(summed_part(values), losses, values.front().numel(), whole);
   set_from_flat(whole, own.front());
   return all_losses;
 }
@@ -113,38 +114,42 @@ torch::Tensor ShardSum::summed_part(const std::vector<torch::Tensor>& own) {
     sent_counts.push_back(std::ssize(own) * part.size());
     received_counts.push_back(shards_of(worker).size() * mine);
   }
-  const torch::Tensor received =
-      exchange_->exchange(torch::cat(sent), std::move(sent_counts), std::move(received_counts));
+  const torch::Tensor all = own.size() == 1 ? own.front() : torch::cat(sent);
+  const torch::Tensor received = exchange_->exchange(all, std::move(sent_counts), std::move(received_counts));
   torch::Tensor sum = received.narrow(0, 0, mine);
   for (int shard = 1; shard < shards_; ++shard) sum.add_(received.narrow(0, shard * mine, mine));
   return sum;
 }
 
-/// Puts the parts of all workers together as `whole`, and returns the losses of all shards.
+/// Puts the parts of all workers together as `whole`, of that length, and returns the losses of all shards.
 std::vector<double> ShardSum::share(const torch::Tensor& part, std::span<const double> losses,
-                                    torch::Tensor& whole) {
+                                    std::int64_t length, torch::Tensor& whole) {
   const int workers = workers_.size();
   const std::int64_t numbers_per_loss = losses.empty() ? 0 : kNumbersPerLoss;
-  const torch::Tensor own = torch::cat({part, numbers_of(losses).to(part.device())});
+  const torch::Tensor own = losses.empty() ? part : torch::cat({part, numbers_of(losses).to(part.device())});
   std::vector<std::int64_t> received_counts;
   for (int worker = 0; worker < workers; ++worker) {
-    received_counts.push_back(part_of_worker(whole.numel(), worker, workers).size() +
+    received_counts.push_back(part_of_worker(length, worker, workers).size() +
                               shards_of(worker).size() * numbers_per_loss);
   }
   const torch::Tensor received = exchange_->exchange(
       own.repeat({workers}), std::vector<std::int64_t>(static_cast<std::size_t>(workers), own.numel()),
       std::move(received_counts));
-  std::vector<double> all_losses(losses.empty() ? 0 : static_cast<std::size_t>(shards_));
+  if (losses.empty()) {
+    whole = received;
+    return {};
+  }
+  whole = torch::empty({length}, part.options());
+  std::vector<double> all_losses(static_cast<std::size_t>(shards_));
   std::int64_t next = 0;
   const auto taken = [&](std::int64_t count) {
     next += count;
     return received.narrow(0, next - count, count);
   };
   for (int worker = 0; worker < workers; ++worker) {
-    const PartOfWork numbers = part_of_worker(whole.numel(), worker, workers);
+    const PartOfWork numbers = part_of_worker(length, worker, workers);
     const PartOfWork shards = shards_of(worker);
     whole.narrow(0, numbers.begin, numbers.size()).copy_(taken(numbers.size()));
-    if (losses.empty()) continue;
     set_losses(std::span(all_losses)
                    .subspan(static_cast<std::size_t>(shards.begin), static_cast<std::size_t>(shards.size())),
                taken(shards.size() * kNumbersPerLoss));

@@ -19,7 +19,7 @@ namespace knuckle {
 ///
 /// Each worker gets all shards' values of its own part of the numbers, sums them, and hands the sums to all.
 /// With L numbers, S shards and N workers each sends about S / N (1 - 1/N) L and then (1 - 1/N) L of them.
-/// Where the workers are DeviceWorkers the numbers stay on their device.
+/// Where the workers are DeviceWorkers the numbers go from where they lie to where they shall lie.
 class ShardSum {
  public:
   /// `workers` has to live as long as this. The shards are dealt by `part_of_worker`; their numbers lie on
@@ -34,7 +34,8 @@ class ShardSum {
  private:
   PartOfWork shards_of(int worker) const { return part_of_worker(shards_, worker, workers_.size()); }
   torch::Tensor summed_part(const std::vector<torch::Tensor>& own);
-  std::vector<double> share(const torch::Tensor& part, std::span<const double> losses, torch::Tensor& whole);
+  std::vector<double> share(const torch::Tensor& part, std::span<const double> losses, std::int64_t length,
+                            torch::Tensor& whole);
 
   WorkerGroup& workers_;
   int shards_;

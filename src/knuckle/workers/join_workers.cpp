@@ -128,22 +128,18 @@ class GlooWorkers final : public C10dWorkers, public DeviceWorkers {
   bool has_seen_fault() const override { return watch_ && watch_->has_seen_fault(); }
 
   std::vector<std::byte> exchange(Messages sent, const std::vector<std::int64_t>& sizes) override {
-    end_if_over();
-    const Stopwatch watch;
-    const std::int64_t others = std::ssize(sent.bytes) - sent.sizes[static_cast<std::size_t>(place_.rank)];
-    auto pending = std::make_unique<Pending>(std::move(sent), sizes);
-    try {
-      wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_sizes,
-                                      pending->sent.sizes));
-    } catch (const std::exception& error) {
-      static_cast<void>(pending.release());  // a thread of Gloo may still write there
-      throw fault_of_exchange(error.what());
-    }
-    add_exchange(watch.seconds(), others);
-    return std::move(pending->received);
+    const std::int64_t length = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
+    const auto bytes = std::make_shared<Bytes>(std::move(sent), static_cast<std::size_t>(length));
+    complete({.output = at::from_blob(bytes->received.data(), {length}, at::kByte),
+              .input = at::from_blob(bytes->sent.bytes.data(), {std::ssize(bytes->sent.bytes)}, at::kByte),
+              .received_counts = sizes,
+              .sent_counts = bytes->sent.sizes,
+              .memory = bytes});
+    return std::move(bytes->received);
   }
 
   std::unique_ptr<TensorExchange> exchange_on(const torch::Device& device) override {
+    if (device.is_cpu()) return std::make_unique<GlooExchange>(*this);
     return nccl_exchange(*this, device);
   }
 
@@ -181,20 +177,58 @@ class GlooWorkers final : public C10dWorkers, public DeviceWorkers {
   void ended_well() override { linger(); }
 
  private:
-  struct Pending {
-    Pending(Messages messages, std::vector<std::int64_t> sizes)
-        : sent(std::move(messages)),
-          received_sizes(std::move(sizes)),
-          received(static_cast<std::size_t>(
-              std::accumulate(received_sizes.begin(), received_sizes.end(), std::int64_t{0}))),
-          input(at::from_blob(sent.bytes.data(), {std::ssize(sent.bytes)}, at::kByte)),
-          output(at::from_blob(received.data(), {std::ssize(received)}, at::kByte)) {}
-
+  struct Bytes {
+    Bytes(Messages messages, std::size_t length) : sent(std::move(messages)), received(length) {}
     Messages sent;
-    std::vector<std::int64_t> received_sizes;
     std::vector<std::byte> received;
-    at::Tensor input;
+  };
+
+  /// What an exchange writes and reads.
+  struct Pending {
     at::Tensor output;
+    at::Tensor input;
+    std::vector<std::int64_t> received_counts;
+    std::vector<std::int64_t> sent_counts;
+    std::shared_ptr<void> memory;  ///< of tensors that have none of their own
+  };
+
+  void complete(Pending what) {
+    end_if_over();
+    const Stopwatch watch;
+    const std::int64_t own = what.sent_counts[static_cast<std::size_t>(place_.rank)];
+    const std::int64_t others =
+        (what.input.numel() - own) * static_cast<std::int64_t>(what.input.element_size());
+    auto pending = std::make_unique<Pending>(std::move(what));
+    try {
+      wait_for(*group_->alltoall_base(pending->output, pending->input, pending->received_counts,
+                                      pending->sent_counts));
+    } catch (const std::exception& error) {
+      static_cast<void>(pending.release());  // a thread of Gloo may still write there
+      throw fault_of_exchange(error.what());
+    }
+    add_exchange(watch.seconds(), others);
+  }
+
+  /// Tensors from where they lie to where they shall lie.
+  class GlooExchange final : public TensorExchange {
+   public:
+    explicit GlooExchange(GlooWorkers& workers) : workers_(workers) {}
+
+    torch::Tensor exchange(const torch::Tensor& sent, std::vector<std::int64_t> sent_counts,
+                           std::vector<std::int64_t> received_counts) override {
+      const std::int64_t length =
+          std::accumulate(received_counts.begin(), received_counts.end(), std::int64_t{0});
+      torch::Tensor output = at::empty({length}, sent.options());
+      workers_.complete({.output = output,
+                         .input = sent.contiguous(),
+                         .received_counts = std::move(received_counts),
+                         .sent_counts = std::move(sent_counts),
+                         .memory = nullptr});
+      return output;
+    }
+
+   private:
+    GlooWorkers& workers_;
   };
 
   /// Waits until all are there, and compares what they are.
