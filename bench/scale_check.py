@@ -65,10 +65,10 @@ def shared_by_cores(of_workers, costs, cores):
 
 
 def check_rendering(program, folder, costs, frames, cores):
-    start = rendering_time(program, folder, cores, cores)
-    all_busy = rendering_time(program, folder, frames, cores)
+    few, many = (rendering_time(program, folder, count, cores) for count in (frames // 4, frames))
+    start = (4.0 * few - many) / 3.0
     print(f"a start takes {start:.2f} s")
-    costs = dataclasses.replace(costs, start_s=start, render_s=cores * (all_busy - start) / frames)
+    costs = dataclasses.replace(costs, start_s=start, render_s=cores * (many - start) / frames)
     more_starts = {n: start * max(0.0, n / cores - 1.0) for n in PROCESSES}
     print_beside("rendering", "s", {n: scale_model.rendering_s(costs, frames, min(n, cores)) + more_starts[n] for n in PROCESSES},
                  {n: rendering_time(program, folder, frames, n) for n in PROCESSES})
@@ -94,7 +94,7 @@ def check_forest(program, folder, costs, frames, cores):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
-    parser.add_argument("--frames", type=int, default=12000)
+    parser.add_argument("--frames", type=int, default=48000, help="of the forest; a quarter of them are rendered in parts")
     arguments = parser.parse_args()
     binaries = (arguments.build / "bin").resolve()
     program, frames, cores = binaries / "knuckle", arguments.frames, len(os.sched_getaffinity(0))
@@ -102,7 +102,7 @@ def main():
     print(f"{cores} cores; messages: {1e3 * costs.latency_s:.2f} ms and {costs.link_bytes_s / 1e6:.0f} MB/s")
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        check_rendering(program, folder, costs, frames, cores)
+        check_rendering(program, folder, costs, frames // 4, cores)
         subprocess.run([program, "render", "--manifest", ROOT / "manifests/small_pictures.toml", "--count", str(frames), "--out", folder / "frames.h5"],
                        check=True, stdout=subprocess.DEVNULL)
         check_training(program, folder, costs, cores)
