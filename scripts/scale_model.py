@@ -20,7 +20,7 @@ class Costs:
     """Measured here, but for those marked as assumed."""
 
     render_s: float = 2.8e-3  # processor time per frame of 320 x 240 (docs/scale.md)
-    start_s: float = 1.0  # until a process renders its first frame
+    start_s: float = 3.1  # of a process that renders, until it has all bodies (bench/scale_check.py)
     join_s: float = 1.1e-3  # per frame, on one core
     frame_bytes: float = 14e3  # on the disk
     sample_bytes: float = 20.7e3  # of a cut-out hand in memory (CubeSamples)
@@ -32,7 +32,7 @@ class Costs:
     core_price_h: float = 0.04  # assumed: US dollars per core and hour
     disk_price_gb: float = 0.02  # assumed: US dollars per 10^9 bytes and month
     link_bytes_s: float = 1.25e9 / 2  # assumed: half of what a link of 10 Gbit/s carries
-    latency_s: float = 2e-4  # per exchange and doubling of the workers; measured here over the loopback for two
+    latency_s: float = 2e-4  # per exchange and doubling of the workers; measured here over the loopback for two (docs/scale.md)
     failure_h: float = 50000.0  # assumed: mean time to a failure of one worker; Dubey et al. 2024 report 419 in 54 days on 16,384 GPUs
     restart_s: float = 120.0  # assumed: until all are started again and have their samples
     patch_bytes: float = 18.75e3  # of a sample of the pose forest: a patch of 96 x 96, and its targets
