@@ -213,11 +213,11 @@ void Trainer::validate(const BatchLoader& loader) {
 
 TrainingMetrics Trainer::measured(const BatchLoader& loader) {
   const torch::NoGradGuard no_gradient;
+  const double seconds = since_validation_.seconds();  // of steps alone
   const BatchPlan plan(task_.views(), options_.batch_size, options_.seed);
   measure_norm_statistics(*averaged_, plan, kNormBatches, device_);
 
   TrainingMetrics metrics;
-  const double seconds = since_validation_.seconds();
   metrics.step = step_;
   metrics.samples = step_ * options_.batch_size;
   metrics.learning_rate = learning_rate_at(options_.learning_rate, progress());
