@@ -25,7 +25,7 @@ class Costs:
     frame_bytes: float = 14e3  # on the disk
     sample_bytes: float = 20.7e3  # of a cut-out hand in memory (CubeSamples)
     cut_s: float = 1.93e-3  # processor time per frame whose hand is cut out: 1,037 frames/s on two cores (docs/performance.md)
-    samples_per_core_s: float = 112.0  # `dense`, single precision, AVX2: half of two cores' 224 (docs/performance.md)
+    samples_per_core_s: float = 254.0  # `dense`, single precision, AVX-512: half of two cores' 509 (docs/scale.md)
     gradient_bytes: float = 4.0 * 558750  # of `dense`
     batch: int = 64  # samples per step
     shards: int = 4
