@@ -26,7 +26,7 @@ from workers_testing import free_port, met  # noqa: E402
 NETWORKS = {
     "dense": NETWORK,
     "regression": NETWORK.replace('"dense"', '"regression"').replace("knuckle22", "icg20").replace("batch_size = 64", "batch_size = 256")
-                         .replace("validate_every = 20", "validate_every = 4"),
+                         .replace("validate_every = 20", "validate_every = 8").replace("epochs = 4", "epochs = 2"),
 }
 
 
