@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `scripts/scale_model.py` says of 1, 2 and 4 processes of one thread on this machine, beside what they take.
 
-    /usr/bin/python3 bench/scale_check.py [--build build/release] [--frames 12000]
+    /usr/bin/python3 bench/scale_check.py [--build build/release] [--frames 48000]
 
 Rendering in parts, training `dense`, and growing a pose forest. What a core takes while all are busy, what a start takes and what messages
 cost here is measured, the rest computed; processes beyond the number of cores share them. Nothing else should run meanwhile.

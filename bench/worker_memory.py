@@ -15,12 +15,15 @@ from worker_ratio import POSE_FOREST, ROOT, SEGMENTATION_FOREST
 
 WORKERS = (1, 2, 4)
 POLL_S = 0.01
-FEWER = ("splits_per_node = 10000", "splits_per_node = 1000")
+
+
+def quick(text):
+    """Fewer trees and candidates: neither is held in memory."""
+    return text.replace("splits_per_node = 10000", "splits_per_node = 1000").replace("trees = 3", "trees = 2")
 
 
 def pose(size_px, samples_per_node):
-    """A tree on few patches, of so many pixels."""
-    return (POSE_FOREST.replace(*FEWER).replace("trees = 3", "trees = 2").replace("size_px = 96", f"size_px = {size_px}")
+    return (quick(POSE_FOREST).replace("size_px = 96", f"size_px = {size_px}")
             .replace("samples_per_node = 5000", f"samples_per_node = {samples_per_node}"))
 
 
@@ -28,8 +31,8 @@ FORESTS = {
     "pose, 3,000 patches of 160 x 160, 500 samples per node": ("pose-forest", 3000, pose(160, 500)),
     "pose, 3,000 patches of 96 x 96, 2,500 samples per node": ("pose-forest", 3000, pose(96, 2500)),
     "pose, 24,000 patches of 96 x 96, 2,500 samples per node": ("pose-forest", 24000, pose(96, 2500)),
-    "pixels of 2,500 frames": ("segmentation-forest", 2500, SEGMENTATION_FOREST.replace(*FEWER).replace("trees = 3", "trees = 2")),
-    "pixels of 24,000 frames": ("segmentation-forest", 24000, SEGMENTATION_FOREST.replace(*FEWER).replace("trees = 3", "trees = 2")),
+    "pixels of 2,500 frames": ("segmentation-forest", 2500, quick(SEGMENTATION_FOREST)),
+    "pixels of 24,000 frames": ("segmentation-forest", 24000, quick(SEGMENTATION_FOREST)),
 }
 
 
