@@ -225,7 +225,12 @@ TEST_F(NetworkTest, IsTrainedAndFindsPoses) {
   const std::string bytes = read_text_file(path("net.pt"));
   write_text_file(path("net.pt"), bytes.substr(0, bytes.size() / 2));
   EXPECT_THAT(estimate("[estimator]\nmethod = 'dense'\nmodel = 'net.pt'\n"), FailedWith("net.pt"));
+  const std::string metrics = read_text_file(path("net.pt.metrics.csv"));
+  std::filesystem::remove(path("net.pt.metrics.csv"));
+  std::filesystem::remove(path("net_curves.svg"));
   EXPECT_THAT(train(config(), {"--resume"}), Succeeded()) << "all is in the checkpoint";
+  EXPECT_EQ(read_text_file(path("net.pt.metrics.csv")), metrics) << "as killed before they were written";
+  EXPECT_THAT(entries_of(folder_.path()), Contains("net_curves.svg"));
   EXPECT_THAT(train(config() + "seed = 7\n", {"--resume"}), FailedWith("net.pt.checkpoint"));
   std::filesystem::remove(path("net.pt.checkpoint"));
   EXPECT_THAT(train(config(), {"--resume"}), FailedWith("net.pt.checkpoint"));

@@ -90,7 +90,8 @@ struct NetworkTrainingRun {
   /// Called once before a training anew with the validation of `initial` as it is; may be empty.
   std::function<void(const std::vector<double>& validation)> report_initial;
   /// Called at each validation with all metrics so far, those before a checkpoint included, and how long the
-  /// training will still take where it does not end early [s]; may be empty.
+  /// training will still take where it does not end early [s]; once more where a checkpoint is that of a
+  /// training that has ended, since it may have been killed before it reported that. May be empty.
   std::function<void(const std::vector<TrainingMetrics>&, double seconds_left)> report;
 };
 

@@ -406,6 +406,18 @@ TEST_F(NetworkTraining, StopsWhereValidationGetsNoBetter) {
   EXPECT_EQ(train(options, run("net", Begin::from_checkpoint)).size(), metrics.size()) << "it stays ended";
 }
 
+TEST_F(NetworkTraining, ReportsOnceMoreWhereItHasEnded) {
+  train(short_training(), run());
+  std::vector<std::int64_t> reported;
+  NetworkTrainingRun again = run("net", Begin::from_checkpoint);
+  again.report = [&](const std::vector<TrainingMetrics>& metrics, double seconds_left) {
+    EXPECT_EQ(seconds_left, 0.0);
+    for (const TrainingMetrics& m : metrics) reported.push_back(m.step);
+  };
+  train(short_training(), again);
+  EXPECT_THAT(reported, ::testing::ElementsAre(2, 4)) << "it may have been killed before it reported step 4";
+}
+
 TEST_F(NetworkTraining, KeepsTheBestOrTheLastAsAsked) {
   NetworkTrainingOptions options = short_training();
   options.epochs = 1000;

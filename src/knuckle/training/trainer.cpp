@@ -99,7 +99,10 @@ std::vector<TrainingMetrics> Trainer::train() {
     load_initial();
   }
   if (run_.workers != nullptr) agree();
-  if (step_ >= end_ || has_run_out_of_patience(metrics_, options_)) return metrics_;
+  if (step_ >= end_ || has_run_out_of_patience(metrics_, options_)) {
+    report_again();
+    return metrics_;
+  }
   BatchLoader loader(own_plan(), step_, end_);
   Progress shown("train", "samples", end_ * options_.batch_size, step_ * options_.batch_size);
   first_step_ = step_;
@@ -116,6 +119,11 @@ std::vector<TrainingMetrics> Trainer::train() {
     is_done = is_done || has_run_out_of_patience(metrics_, options_);
   }
   return metrics_;
+}
+
+/// A training may have ended after its last checkpoint, but before its last validation was reported.
+void Trainer::report_again() const {
+  if (is_first_worker() && run_.report && !metrics_.empty()) run_.report(metrics_, 0.0);
 }
 
 /// A step that is broken off changes no parameters, but the statistics of normalisation: the last checkpoint

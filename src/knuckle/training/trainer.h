@@ -29,6 +29,7 @@ class Trainer {
 
  private:
   void step(BatchLoader& loader);
+  void report_again() const;
   void step_unless_interrupted(BatchLoader& loader);
   /// How much of the training will be done after the next step.
   double progress() const;
