@@ -3,6 +3,7 @@
 #include "knuckle/data/writers/join_parts.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 
 #include "knuckle/core/parallel.h"
@@ -56,7 +57,8 @@ Frame frame_of(std::int64_t index) {
 struct Making {
   std::string manifest = "a = 1";
   std::string generator = "test 1";
-  bool has_infrared = true;
+  double depth_unit_mm = 0.1;
+  std::function<void(Frame&)> change = [](Frame&) {};
 };
 
 class JoinParts : public ::testing::Test {
@@ -68,11 +70,12 @@ class JoinParts : public ::testing::Test {
     options.count = frames.count;
     options.manifest = making.manifest;
     options.generator = making.generator;
+    options.depth_unit_mm = making.depth_unit_mm;
     options.part_of = part_of;
     H5Writer writer(folder_ / name, options);
     parallel_for(frames.count, [&](std::int64_t i) {
       Frame frame = frame_of(frames.first + i);
-      if (!making.has_infrared) frame.infrared = {};
+      making.change(frame);
       writer.write(frames.first + i, frame);
     });
     writer.finish();
@@ -175,13 +178,42 @@ TEST_F(JoinParts, PartsOfDifferentSetsAreRefused) {
               AllOf(HasSubstr("b.h5"), HasSubstr("another manifest"), HasSubstr("first.h5")));
   EXPECT_THAT(fault({first, write("c.h5", {2, 2}, IndexRange{0, 5})}), HasSubstr("part of another set"));
   EXPECT_THAT(fault({first, write("d.h5", {2, 2}, std::nullopt)}), HasSubstr("part of another set"));
-  EXPECT_THAT(fault({first, write("e.h5", {2, 2}, IndexRange{0, 4}, {.has_infrared = false})}),
-              HasSubstr("other kinds of images"));
+  EXPECT_THAT(fault({first, write("e.h5", {2, 2}, IndexRange{0, 4}, {.depth_unit_mm = 0.25})}),
+              HasSubstr("e.h5: has another unit of depth"));
   EXPECT_THAT(
       fault({first, write("f.h5", {2, 2}, IndexRange{0, 4}, {.generator = "test 2"})}),
       AllOf(HasSubstr("f.h5: was made by another program (test 2, not test 1)"), HasSubstr("first.h5")));
   EXPECT_THAT(fault({first, write("g.h5", {2, 2}, IndexRange{0, 4}, {.generator = ""})}),
               HasSubstr("g.h5: was made by another program (a program that does not say its version"));
+}
+
+TEST_F(JoinParts, PartsWithOtherImagesAreRefused) {
+  const fs::path first = write("first.h5", {0, 2}, IndexRange{0, 4});
+  const auto fault_where = [&](const std::function<void(Frame&)>& change) {
+    const fs::path other = write("other.h5", {2, 2}, IndexRange{0, 4}, {.change = change});
+    std::string said = fault({first, other});
+    fs::remove(other);
+    return said;
+  };
+  const auto of_size = [](int width, int height) {
+    return [=](Frame& frame) {
+      Camera camera = testing::small_camera();
+      camera.width = width;
+      camera.height = height;
+      frame = noise_frame(camera, superset_convention(), 1);
+    };
+  };
+  const std::array<std::function<void(Frame&)>, 4> cameras = {
+      of_size(23, 18), of_size(24, 17),
+      [](Frame& frame) { frame.camera.distortion = testing::distorted_camera().distortion; },
+      [](Frame& frame) { frame.camera.model = CameraModel::orthographic; }};
+  for (const auto& change : cameras)
+    EXPECT_THAT(fault_where(change), HasSubstr("other.h5: has another size or kind of camera"));
+  const std::array<std::function<void(Frame&)>, 4> images = {
+      [](Frame& frame) { frame.infrared = {}; }, [](Frame& frame) { frame.mask = {}; },
+      [](Frame& frame) { frame.labels = {}; }, [](Frame& frame) { frame.time_s.reset(); }};
+  for (const auto& change : images)
+    EXPECT_THAT(fault_where(change), HasSubstr("other.h5: has other kinds of images or times"));
 }
 
 TEST_F(JoinParts, BrokenAndUnfinishedPartsAreNamed) {
