@@ -138,9 +138,21 @@ TEST_F(ShardsTest, PartsOfOtherSetsAreRefused) {
   ASSERT_THAT(run_program({"render", "--manifest", path("other.toml"), "--shard", "1/2", "--out", part(1)}),
               Succeeded());
   EXPECT_THAT(join(2), FailedWith("was made from another manifest"));
-  // A part that is there, but of another cut, is not overwritten.
-  EXPECT_THAT(run_program({"render", "--manifest", kDemoManifest, "--shard", "0/3", "--out", part(0)}),
-              FailedWith("0.h5"));
+  // A part that is there, but of another cut, whole or manifest, is not overwritten.
+  const std::string before = read_text_file(part(0));
+  const std::string frames = std::to_string(H5Source(part(0)).size());
+  const auto render_again = [&](const std::string& manifest, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", "--manifest", manifest, "--out", part(0)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  };
+  EXPECT_THAT(render_again(kDemoManifest, {"--shard", "0/3"}), FailedWith("0.h5: is another part"));
+  EXPECT_THAT(render_again(kDemoManifest, {"--shard", "0/1", "--count", frames}),
+              FailedWith("0.h5: is another part, or of another set"))
+      << "the same frames";
+  EXPECT_THAT(render_again(path("other.toml"), {"--shard", "0/2"}),
+              FailedWith("0.h5: is another part, or of another set"));
+  EXPECT_TRUE(read_text_file(part(0)) == before);
 }
 
 TEST_F(ShardsTest, WrongShardsAreRefused) {
