@@ -135,8 +135,9 @@ class Person:
         """After a start: what is on the disk. All that was said to be there has to be."""
         if self.on_its_way:
             frame, before = self.on_its_way
+            revision = served.revision(frame)  # fails where the program is killed once more
             self.on_its_way = None
-            if served.revision(frame) == before + 1:
+            if revision == before + 1:
                 self.done.append((frame, before + 1))
                 self.kept = len(self.done)
                 return
