@@ -51,7 +51,7 @@ std::string fault_of(const Told& told, const Grower::Log& log, std::int64_t befo
   return error_of([&] { grow(told, log, before); });
 }
 
-/// A node's samples in all, of which as many come before worker 1's as it says, as worker 1 sums them up.
+/// What worker 1 says of a node that it sums up: its samples in all, none of them before this worker's.
 std::vector<std::byte> sum_of(std::int64_t total) {
   return message_of(total, std::int64_t{0}, std::int64_t{NodeShare::kSeveral});
 }
