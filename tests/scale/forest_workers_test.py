@@ -98,6 +98,22 @@ def lost_worker(place):
         place.forget("f.model")
 
 
+def failed_at_its_end(place):
+    """Where worker 0 cannot write its model, when all that workers do together is done, the other has not succeeded either."""
+    for kind in KINDS:
+        port = free_port()
+        workers = [place.start(place.forest(kind, "f.model", 2, trees=30), **met(rank, 2, port)) for rank in (0, 1)]
+        place.wait_for_checkpoint("f.model", workers[0])
+        (place.folder / "f.model").mkdir()  # in its way
+        failed_with(workers[0], "f.model")
+        assert ended(workers[1])[0] == 1, "it says that there is a model"
+        (place.folder / "f.model").rmdir()
+        succeeded(place.start(place.forest(kind, "f.model", 1, "--resume", trees=30)))
+        succeeded(place.start(place.forest(kind, "whole.model", 1, trees=30)))
+        assert place.bytes_of("f.model") == place.bytes_of("whole.model"), "what was done is not kept"
+        place.forget("f.model")
+
+
 def missing_worker(place):
     for kind in KINDS:
         failed_with(place.start(place.forest(kind, "f.model", 2, "--wait", "5"), **met(0, 2, free_port())),
@@ -163,4 +179,4 @@ def slurm(place):
 
 
 if __name__ == "__main__":
-    run_case(ForestPlace, same_bytes, resumed, lost_worker, missing_worker, other_options, bad_source, full_disk, slurm)
+    run_case(ForestPlace, same_bytes, resumed, lost_worker, failed_at_its_end, missing_worker, other_options, bad_source, full_disk, slurm)

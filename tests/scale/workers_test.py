@@ -111,6 +111,16 @@ def lost_worker(place):
     place.assert_all_end()
 
 
+def lost_while_it_starts(place):
+    """One that ends before it has met the others is not waited for."""
+    process = place.start(place.command("net.pt", 2))
+    while not (started := place.started_workers()):
+        assert process.poll() is None, process.communicate()
+    os.kill(started[1], signal.SIGKILL)
+    failed_with(process, "worker 1 of 2 was ended by signal 9 before it had begun")
+    place.assert_all_end()
+
+
 def watches_for_signals(process):
     status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
     caught = int(re.search(r"^SigCgt:\s*(\w+)", status, re.MULTILINE).group(1), 16)
@@ -194,5 +204,5 @@ def slurm(place):
 
 
 if __name__ == "__main__":
-    run_case(NetworkPlace, same_bytes, same_bytes_large, resumed, lost_worker, interrupted_while_it_starts, missing_worker, other_options,
-             full_disk, slurm)
+    run_case(NetworkPlace, same_bytes, same_bytes_large, resumed, lost_worker, lost_while_it_starts, interrupted_while_it_starts, missing_worker,
+             other_options, full_disk, slurm)
